@@ -138,6 +138,24 @@ void check_table_close(FILE *table, const char *name);
         CU_ASSERT(near_);                                                                                    \
     } while (0)
 
+/* The same for each {a, b}. */
+#define CHECK_ALL_NEAR(tolerance, ...)                                                                       \
+    check_all_near(__FILE__, __LINE__, #__VA_ARGS__, tolerance,                                              \
+                   sizeof((double[][2]){__VA_ARGS__}) / sizeof(double[2]), (const double[][2]){__VA_ARGS__})
+void check_all_near(const char *file, int line, const char *rows, double tolerance, size_t n,
+                    const double pairs[][2]);
+
+/* It is true; else the text is printed, as by printf. */
+#define CHECK_OR_SAY(right, ...)                                                                             \
+    do {                                                                                                     \
+        const bool right_ = (right);                                                                         \
+        if (!right_) fprintf(stderr, __VA_ARGS__), fputc('\n', stderr);                                      \
+        CU_ASSERT(right_);                                                                                   \
+    } while (0)
+
+/* A text, in one of sixteen buffers, which take turns. */
+const char *check_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
 /* |found - value| <= tolerance for each {name, value}, by its name; `found` is an expression of NAME. */
 typedef struct {
     const char *name;
@@ -166,6 +184,15 @@ typedef struct {
             fprintf(stderr, "%s:%d: %s: status %d, message \"%s\"; expected %d, \"%s\"\n", __FILE__,         \
                     __LINE__, #call, (int)got_, rp_message(), (int)(status), (text));                        \
         CU_ASSERT(right_);                                                                                   \
+    } while (0)
+
+/* It fails so, or if `fails` is false it is well. */
+#define CHECK_FAILS_IF(fails, call, status, text)                                                            \
+    do {                                                                                                     \
+        if (fails)                                                                                           \
+            CHECK_FAILS(call, status, text);                                                                 \
+        else                                                                                                 \
+            CHECK_OK(call);                                                                                  \
     } while (0)
 
 #define CHECK_OK(call)                                                                                       \

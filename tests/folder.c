@@ -2,6 +2,7 @@
 #include "tests/folder.h"
 
 #include <ftw.h>
+#include <glob.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -55,6 +56,21 @@ void *file_read(const char *path, size_t *n)
     CU_ASSERT(bytes && fread(bytes, 1, *n, in) == *n);
     fclose(in);
     return bytes;
+}
+
+void file_lines(const char *pattern, file_line *take)
+{
+    glob_t found;
+    scoped char *line = NULL;
+    size_t size = 0;
+    CU_ASSERT_FATAL(glob(pattern, 0, NULL, &found) == 0);
+    for (size_t i = 0; i < found.gl_pathc; i++) {
+        FILE *in = fopen(found.gl_pathv[i], "r");
+        CU_ASSERT_PTR_NOT_NULL_FATAL(in);
+        for (int number = 1; getline(&line, &size, in) > 0; number++) take(found.gl_pathv[i], number, line);
+        fclose(in);
+    }
+    globfree(&found);
 }
 
 void file_write(const char *path, const void *bytes, size_t n)

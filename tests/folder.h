@@ -20,6 +20,10 @@ void folder_remove(const char *path);
 /* The bytes of a file, and a zero after them. Free them. */
 void *file_read(const char *path, size_t *n);
 
+/* Take each line of each file of this pattern, with its number from 1. */
+typedef void file_line(const char *path, int number, char *line);
+void file_lines(const char *pattern, file_line *take);
+
 /* Write a file anew: bytes, or formatted text. */
 void file_write(const char *path, const void *bytes, size_t n);
 void file_print(const char *path, const char *format, ...) __attribute__((format(printf, 2, 3)));

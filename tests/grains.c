@@ -168,15 +168,19 @@ dem_state grains_state_of_one(const dem_sim *sim)
     return s;
 }
 
+dem_contact *grains_contacts(const dem_sim *sim, size_t *n)
+{
+    dem_contact *list = NULL;
+    CHECK_OK(dem_contacts(sim, &list, n));
+    return list;
+}
+
 dem_contact grains_only_contact(const dem_sim *sim)
 {
-    dem_contact *list, only;
     size_t n;
-    CHECK_OK(dem_contacts(sim, &list, &n));
+    scoped dem_contact *list = grains_contacts(sim, &n);
     CU_ASSERT_FATAL(n == 1);
-    only = list[0];
-    free(list);
-    return only;
+    return list[0];
 }
 
 void grains_wall_forces(const dem_sim *sim, double *forces)
@@ -237,6 +241,15 @@ rp_status grains_read(const char *text, const rp_texts *changes, dem_scene *scen
     const rp_status status = dem_scene_read(path, changes, scene);
     folder_remove(folder);
     return status;
+}
+
+dem_sim *grains_scene_after(const char *text, long steps, dem_scene *scene)
+{
+    dem_sim *sim = NULL;
+    CHECK_OK(grains_read(text, NULL, scene));
+    CHECK_OK(dem_scene_start(scene, &sim));
+    CHECK_OK(dem_run(sim, steps));
+    return sim;
 }
 
 void grains_refused(const char *text, const rp_texts *changes, const char *message)

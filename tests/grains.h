@@ -56,7 +56,8 @@ dem_state grains_state_of_one(const dem_sim *sim);
 /* Run without an error, and give the states then. */
 void grains_run(dem_sim *sim, long steps, dem_state *states);
 
-/* The contact, if any; the force on each wall; the total energy. */
+/* The contacts, to be freed; the contact, if any; the force on each wall; the total energy. */
+dem_contact *grains_contacts(const dem_sim *sim, size_t *n);
 dem_contact grains_only_contact(const dem_sim *sim);
 void grains_wall_forces(const dem_sim *sim, double *forces);
 double grains_energy(const dem_sim *sim);
@@ -64,6 +65,9 @@ double grains_energy(const dem_sim *sim);
 /* dem_scene_read of a text; a scoped_scene is freed at the end of its scope. */
 #define scoped_scene __attribute__((cleanup(dem_scene_free))) dem_scene
 rp_status grains_read(const char *text, const rp_texts *changes, dem_scene *scene);
+
+/* The simulation of a text after some steps. */
+dem_sim *grains_scene_after(const char *text, long steps, dem_scene *scene);
 
 /* A text that is refused with this message; a scene written, and read again. */
 void grains_refused(const char *text, const rp_texts *changes, const char *message);

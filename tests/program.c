@@ -90,6 +90,12 @@ int shell_line(const char *format, ...)
     return shell(text);
 }
 
+void holds_in_tree(const char *line)
+{
+    const int status = shell_line("to=$PWD; { cd \"$OLDPWD\" && %s; } >$to/out 2>$to/err", line);
+    CHECK_OR_SAY(status == 0, "%s%s", out, err);
+}
+
 static int run_program(const char *name, const char *begin, const char *format, va_list args)
 {
     char line[2048];
@@ -143,6 +149,36 @@ bool failed(const char *file, int line, int status, int expected, const char *te
     return right;
 }
 
+bool prints(const char *file, int line, int status, const char *text)
+{
+    const bool right = good(file, line, status), there = strstr(out, text) != NULL;
+    if (right && !there) fprintf(stderr, "%s:%d: does not print \"%s\"\n", file, line, text);
+    return right && there;
+}
+
+bool prints_all(const char *file, int line, int status, const char *text)
+{
+    const bool right = good(file, line, status), same = strcmp(out, text) == 0;
+    if (right && !same) fprintf(stderr, "%s:%d: prints:\n%sexpected:\n%s", file, line, out, text);
+    return right && same;
+}
+
+void check_failures(size_t n, const failure list[])
+{
+    for (size_t i = 0; i < n; i++) {
+        FAILS(list[i].status, list[i].text, "%s", list[i].words);
+        CU_ASSERT(out[0] == '\0');
+    }
+}
+
+void check_refused_texts(size_t n, const char *const list[][2], const char *file, const char *words)
+{
+    for (size_t i = 0; i < n; i++) {
+        write_text(file, "%s\n", list[i][0]);
+        check_failures(1, &(failure){65, list[i][1], words});
+    }
+}
+
 rp_table read_table(const char *name)
 {
     static char path[256];
@@ -163,6 +199,27 @@ void replace_table(rp_table *table, rp_table by)
 void read_again(rp_table *table, const char *name)
 {
     replace_table(table, read_table(name));
+}
+
+rp_table read_texts(const char *name)
+{
+    static char path[256];
+    rp_table table = {0};
+    path_of(name, path);
+    CHECK_OK(rp_table_read(path, &table));
+    return table;
+}
+
+void check_cells(int line, size_t n, const cell_says cells[])
+{
+    scoped_table t = read_texts("out");
+    for (size_t k = 0; k < n; k++) {
+        size_t row = 0;
+        while (row < t.n_rows && strcmp(t.cells[row * t.n_columns], cells[k].begin) != 0) row++;
+        const char *found = row < t.n_rows ? word(&t, row, cells[k].column) : "no such row";
+        CHECK_OR_SAY(strcmp(found, cells[k].expected) == 0, "line %d: %s: %s, expected %s", line,
+                     cells[k].begin, found, cells[k].expected);
+    }
 }
 
 rp_table table_of(const char *file, int line, int status)

@@ -33,6 +33,9 @@ void slurp(const char *name, char *text, size_t size);
 int shell(const char *text);
 int shell_line(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+/* A line of shell at the top of the tree succeeds, or what it prints is shown; `$to` is the folder. */
+void holds_in_tree(const char *line);
+
 /* Exit status of `repose` and of `report` with these arguments. */
 int run(const char *format, ...) __attribute__((format(printf, 1, 2)));
 int run_report(const char *format, ...) __attribute__((format(printf, 1, 2)));
@@ -47,7 +50,25 @@ bool failed(const char *file, int line, int status, int expected, const char *te
 #define GOOD(...)                CU_ASSERT(good(__FILE__, __LINE__, run(__VA_ARGS__)))
 #define FAILS(status, text, ...) CU_ASSERT(failed(__FILE__, __LINE__, run(__VA_ARGS__), status, text))
 #define SHELL(text)              CU_ASSERT(shell(text) == 0)
-#define REPORTS(...)             CU_ASSERT(good(__FILE__, __LINE__, run_report(__VA_ARGS__)))
+#define SHELL_FAILS(status, text, ...)                                                                       \
+    CU_ASSERT(failed(__FILE__, __LINE__, shell_line(__VA_ARGS__), status, text))
+/* A successful run prints `text`, among other things. */
+#define PRINTS(text, ...) CU_ASSERT(prints(__FILE__, __LINE__, run(__VA_ARGS__), text))
+bool prints(const char *file, int line, int status, const char *text);
+/* It prints this text alone. */
+#define PRINTS_ALL(text, ...) CU_ASSERT(prints_all(__FILE__, __LINE__, run(__VA_ARGS__), text))
+bool prints_all(const char *file, int line, int status, const char *text);
+/* Runs that fail and print nothing: status, part of the message, and arguments, which are no format. */
+typedef struct {
+    int status;
+    const char *text, *words;
+} failure;
+#define CHECK_FAILURES(list) check_failures(sizeof(list) / sizeof *(list), list)
+void check_failures(size_t n, const failure list[]);
+/* Each text is refused with its message (65) as the file that this command reads, and nothing is printed. */
+#define CHECK_REFUSED(list, file, words) check_refused_texts(sizeof(list) / sizeof *(list), list, file, words)
+void check_refused_texts(size_t n, const char *const list[][2], const char *file, const char *words);
+#define REPORTS(...) CU_ASSERT(good(__FILE__, __LINE__, run_report(__VA_ARGS__)))
 #define REPORT_FAILS(status, text, ...)                                                                      \
     CU_ASSERT(failed(__FILE__, __LINE__, run_report(__VA_ARGS__), status, text))
 
@@ -55,6 +76,7 @@ bool failed(const char *file, int line, int status, int expected, const char *te
 #define scoped_table __attribute__((cleanup(rp_table_free))) rp_table
 rp_table read_table(const char *name);
 void read_again(rp_table *table, const char *name); /* in place of what it holds */
+rp_table read_texts(const char *name);              /* whose cells are texts, with blanks */
 
 /* The table that a successful run prints, and in place of what one holds. */
 #define TABLE_OF(...)        table_of(__FILE__, __LINE__, run(__VA_ARGS__))
@@ -91,6 +113,14 @@ typedef check_value checked_value;
 #define CHECKED_MEAN(s, name)       CHECKED_COLUMN(#name, (s).name.mean), CHECKED_COLUMN(#name "_se", (s).name.se)
 void checked_row(checked *c, size_t row, size_t n, const checked_value values[], double tolerance);
 void checked_end(checked *c);
+
+/* What `out` has in a column of the row that begins with this word. */
+typedef struct {
+    const char *begin, *column, *expected;
+} cell_says;
+#define CHECK_CELLS(...)                                                                                     \
+    check_cells(__LINE__, sizeof((cell_says[]){__VA_ARGS__}) / sizeof(cell_says), (cell_says[]){__VA_ARGS__})
+void check_cells(int line, size_t n, const cell_says cells[]);
 
 /* The same rows and columns, as text. */
 bool equal_tables(const char *name_a, const char *name_b);

@@ -1,12 +1,9 @@
-/* What phases do: loads on walls, laws that change, grains that come and go, going back, ends that are kept.
- */
+/* What phases do: loads on walls, laws that change, grains that come and go, going back, kept ends. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "check.h"
-#include "folder.h"
 #include "grains.h"
 #include "trial.h"
 
@@ -29,8 +26,7 @@ static const char lid[] =
 
 static void test_oscillator(void)
 {
-    scoped_trial t;
-    run_whole(&t, lid, 1000, "ok");
+    RUN_TRIAL(t, lid, 1000, "ok");
     const double m = 0.01, M = 0.1, w = sqrt(1e4 * (m + M) / (m * M)), v0 = measured(&t, "v0"), dt = 1e-5;
     CHECK_NEAR(v0, -sqrt(2.0 * 10.0 / M * 0.01), 3e-3); /* over the way to it */
     CHECK_NEAR(measured(&t, "last"), M_PI / w, 2.0 * dt);
@@ -61,8 +57,7 @@ static void test_column(void)
         "  { name = `area`; of = `all.fraction*W*lid.y`; at = `press`; },\n"
         "  { name = `symmetric`; of = `all.sxy/all.syy`; at = `press`; },\n"
         "  { name = `still`; of = `lid.vy`; at = `free`; } );\n";
-    scoped_trial t;
-    run_whole(&t, text, 1000, "ok");
+    RUN_TRIAL(t, text, 1000, "ok");
     CHECK_EACH(measured(&t, NAME), 2e-3, {"top", 1.0}, {"floor", 1.0}, {"sides", 0.0});
     /* between the load at the top and with the weight at the floor */
     CU_ASSERT(measured(&t, "mean") > 0.9 && measured(&t, "mean") < 1.15);
@@ -87,19 +82,14 @@ static void test_laws_change(void)
         "0.0); }, { point = (2.0, 0.0); direction = (-1.0, 0.0); open_at_step = 12000; } );\n"
         "y_min = -1.0; x_max = 3.0; fill = { N = 60; W = 2.0; H = 4.0; };\n";
     scoped_scene s;
-    CHECK_OK(grains_read(scene, NULL, &s));
-    scoped_sim *a = NULL, *b = NULL;
-    CHECK_OK(dem_scene_start(&s, &a));
-    CHECK_OK(dem_run(a, 14000)); /* the wall is gone, grains run out */
+    scoped_sim *a = grains_scene_after(scene, 14000, &s), *b = NULL; /* the wall is gone, grains run out */
     dem_ledger l;
     CHECK_OK(dem_clone(a, &b));
     CHECK_OK(dem_change(&b, &s.def));
     CU_ASSERT(dem_step(a) == dem_step(b) && dem_count(a) == dem_count(b));
     CHECK_NEAR(dem_time(b), dem_time(a), 1e-12);
-    dem_contact *c[2];
     size_t n[2];
-    CHECK_OK(dem_contacts(a, &c[0], &n[0]));
-    CHECK_OK(dem_contacts(b, &c[1], &n[1]));
+    dem_contact *c[2] = {grains_contacts(a, &n[0]), grains_contacts(b, &n[1])};
     CU_ASSERT(n[0] == n[1] && n[0] > 40);
     for (size_t k = 0, i; k < n[0]; k++) {
         for (i = 0; i < n[1]; i++)
@@ -111,13 +101,11 @@ static void test_laws_change(void)
         CU_ASSERT(fabs(c[0][k].shear_spring - c[1][i].shear_spring) <= 0.05 * fabs(c[0][k].shear_spring));
     }
     free(c[0]), free(c[1]);
-    CHECK_OK(dem_run(a, 200));
-    CHECK_OK(dem_run(b, 200));
+    dem_state x[60], y[60];
+    grains_run(a, 200, x);
+    grains_run(b, 200, y);
     const size_t left = dem_count(a);
-    scoped dem_state *x = malloc(left * sizeof *x), *y = malloc(left * sizeof *y);
-    CU_ASSERT(dem_count(b) == left && dem_count(b) < 60);
-    CHECK_OK(dem_states(a, x));
-    CHECK_OK(dem_states(b, y));
+    CU_ASSERT_FATAL(dem_count(b) == left && left < 60);
     for (size_t i = 0; i < left; i++)
         CU_ASSERT(x[i].id == y[i].id && fabs(x[i].x - y[i].x) < 1e-4 && fabs(x[i].y - y[i].y) < 1e-4);
     /* stiffer, and a smaller step */
@@ -145,24 +133,19 @@ static void test_halt(void)
 {
     static const char *const scenes[] = {"", "integrator = \"gear5\";", "rotation = true;"};
     for (size_t k = 0; k < 3; k++) {
-        char text[400];
         scoped_scene s;
-        scoped_sim *sim = NULL;
         dem_state at[2], now[2];
-        snprintf(
-            text, sizeof text,
-            "dt = 1e-5; ledger = true; %s particles = ( { x = 0.0; y = 5.0; r = 0.1; vx = 30.0; vy = 9.0; %s "
-            "}, { x = 1.0; y = 5.0; r = 0.1; } );",
-            scenes[k], k == 2 ? "omega = 8.0;" : "");
-        CHECK_OK(grains_read(text, NULL, &s));
-        CHECK_OK(dem_scene_start(&s, &sim));
-        CHECK_OK(dem_run(sim, 1000));
+        scoped_sim *sim = grains_scene_after(
+            check_text(
+                "dt = 1e-5; ledger = true; %s particles = ( { x = 0.0; y = 5.0; r = 0.1; vx = 30.0; vy = "
+                "9.0; %s }, { x = 1.0; y = 5.0; r = 0.1; } );",
+                scenes[k], k == 2 ? "omega = 8.0;" : ""),
+            1000, &s);
         CHECK_OK(dem_halt(sim));
         CHECK_OK(dem_states(sim, at));
         CU_ASSERT(fabs(at[0].vx) < 1e-12 && fabs(at[0].vy) < 1e-12 && at[0].omega == 0.0);
         CHECK_NEAR(at[0].fy, -981.0 * at[0].m, 1e-9);
-        CHECK_OK(dem_run(sim, 1000));
-        CHECK_OK(dem_states(sim, now));
+        grains_run(sim, 1000, now);
         CHECK_NEAR(now[0].x, at[0].x, 1e-12);
         CHECK_NEAR(now[0].y, at[0].y - 0.5 * 981.0 * 1e-4, 1e-10);
         dem_ledger l;
@@ -180,20 +163,13 @@ static void test_halt_in_contact(void)
         "k_n = 1.0e6; } );\n"
         "particles = ( { x = 0.0; y = 0.1; r = 0.1; m = 0.01; vx = 5.0; vy = -20.0; omega = 3.0; } );\n";
     scoped_scene s;
-    scoped_sim *sim = NULL;
-    dem_state now;
-    scoped dem_contact *c = NULL;
-    size_t n;
-    CHECK_OK(grains_read(text, NULL, &s));
-    CHECK_OK(dem_scene_start(&s, &sim));
-    CHECK_OK(dem_run(sim, 100));
+    scoped_sim *sim = grains_scene_after(text, 100, &s);
     CHECK_OK(dem_halt(sim));
-    CHECK_OK(dem_states(sim, &now));
-    CHECK_OK(dem_contacts(sim, &c, &n));
-    CU_ASSERT_FATAL(n == 1);
-    CU_ASSERT(c->overlap > 1e-3 && fabs(c->shear_force) > 1.0);
-    CHECK_NEAR(now.fy, 1e6 * c->overlap - 981.0 * 0.01, 1e-6);
-    CHECK_NEAR(fabs(now.fx), fabs(c->shear_force), 1e-5);
+    const dem_state now = grains_state_of_one(sim);
+    const dem_contact c = grains_only_contact(sim);
+    CU_ASSERT(c.overlap > 1e-3 && fabs(c.shear_force) > 1.0);
+    CHECK_NEAR(now.fy, 1e6 * c.overlap - 981.0 * 0.01, 1e-6);
+    CHECK_NEAR(fabs(now.fx), fabs(c.shear_force), 1e-5);
 }
 
 /* mu that changes in a phase: a grain on an incline stays, then slides with g (sin - mu cos). */
@@ -212,8 +188,7 @@ static const char incline[] =
 
 static void test_friction_changes(void)
 {
-    scoped_trial t;
-    run_whole(&t, incline, 777, "ok");
+    RUN_TRIAL(t, incline, 777, "ok");
     CU_ASSERT(fabs(measured(&t, "v0")) < 0.1 && measured(&t, "no") == 0.0 && measured(&t, "yes") == 1.0);
     CHECK_NEAR(measured(&t, "v1"), 0.1 * (500.0 - 200.0 * sqrt(3.0) / 2.0), 0.2);
     CHECK_NEAR(measured(&t, "v2") - measured(&t, "v1"), 50.0, 0.01);
@@ -279,14 +254,13 @@ static void test_touch(void)
          "extent = (-0.5, 0.5); }",
          "0.08", "ok", 1.06}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        char text[1000];
         scoped_trial t;
-        snprintf(text, sizeof text,
-                 "dt = 1e-6; walls = ( %s ); particles = ( { x = -3.0; y = 3.0; r = 0.1; } );\n"
-                 "phases = ( { name = `a`; add = { kind = `new`; r = 0.1; x = %s; y = `touch`; gap = 1e-9; "
-                 "}; steps = 0; } );\n"
-                 "measure = ( { name = `y`; of = `new.y`; } );\n",
-                 cases[k].walls, cases[k].x);
+        const char *text = check_text(
+            "dt = 1e-6; walls = ( %s ); particles = ( { x = -3.0; y = 3.0; r = 0.1; } );\n"
+            "phases = ( { name = `a`; add = { kind = `new`; r = 0.1; x = %s; y = `touch`; gap = 1e-9; "
+            "}; steps = 0; } );\n"
+            "measure = ( { name = `y`; of = `new.y`; } );\n",
+            cases[k].walls, cases[k].x);
         run_whole(&t, text, 10, cases[k].status);
         if (strcmp(cases[k].status, "ok") == 0) CHECK_NEAR(measured(&t, "y"), cases[k].y, 1e-8);
     }
@@ -297,14 +271,13 @@ static void test_added_radii(void)
 {
     static const char *const cases[][2] = {{"", "0.2"}, {"radius_mean = 0.1; radius_width = 0.0;", "0.1"}};
     for (size_t k = 0; k < 2; k++) {
-        char text[900];
         scoped_trial t;
-        snprintf(text, sizeof text,
-                 "dt = 1e-5; walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
-                 "fill = { N = 2; W = 2.0; H = 2.0; radius_law = `table`; radii = ( (0.2, 1.0) ); };\n"
-                 "phases = ( { name = `add`; add = { kind = `new`; x = 5.0; y = `r`; %s }; steps = 0; } );\n"
-                 "measure = ( { name = `r`; of = `new.y`; } );\n",
-                 cases[k][0]);
+        const char *text = check_text(
+            "dt = 1e-5; walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+            "fill = { N = 2; W = 2.0; H = 2.0; radius_law = `table`; radii = ( (0.2, 1.0) ); };\n"
+            "phases = ( { name = `add`; add = { kind = `new`; x = 5.0; y = `r`; %s }; steps = 0; } );\n"
+            "measure = ( { name = `r`; of = `new.y`; } );\n",
+            cases[k][0]);
         run_whole(&t, text, 10, "ok");
         CHECK_NEAR(measured(&t, "r"), atof(cases[k][1]), 1e-15);
     }
@@ -326,8 +299,7 @@ static void test_base_order(void)
         ");\n"
         "measure = ( { name = `o`; of = `order`; in = `up`; at = `start`; },\n"
         "  { name = `b`; of = `base`; wall = `base`; }, { name = `weight`; of = `low.mass*g`; } );\n";
-    scoped_trial t;
-    run_whole(&t, text, 1000, "ok");
+    RUN_TRIAL(t, text, 1000, "ok");
     /* the middle one of rows of 4, 3 and 4 */
     CHECK_EACH(measured(&t, NAME), 1e-12, {"o_psi6", 1.0}, {"o_packed", 1.0 / 11.0});
     CHECK_NEAR(measured(&t, "b_centroid"), 5.0, 1e-6);
@@ -352,8 +324,7 @@ static void test_fabric(void)
         "  { name = `lean`; of = `fabric.fabric_deg`; in = `left`; },\n"
         "  { name = `mirror`; of = `fabric`; about = 0.0; },\n"
         "  { name = `empty`; of = `fabric`; in = `none`; optional = true; } );\n";
-    scoped_trial t;
-    run_whole(&t, text, 10, "ok");
+    RUN_TRIAL(t, text, 10, "ok");
     /* |1 + exp(i 60 degrees)|/2 = cos 30 degrees; forces are Hertzian, of overlaps 0.001 and 0.002 */
     const double w = pow(2.0, 1.5), fx = -1.0 - w * 0.5, fy = w * sqrt(0.75);
     CHECK_EACH(measured(&t, NAME), 1e-12, {"all_contacts", 2.0}, {"all_fabric", sqrt(0.75)});
@@ -386,8 +357,7 @@ static const char back[] =
 
 static void test_back(void)
 {
-    scoped_trial t;
-    run_whole(&t, back, 1000, "ok");
+    RUN_TRIAL(t, back, 1000, "ok");
     CHECK_EACH(measured(&t, NAME), 0.0, {"y3", measured(&t, "y0")}, {"tilt3", 0.0}, {"n1", 1.0}, {"n3", 0.0},
                {"grains3", 50.0});
     CHECK_NEAR(measured(&t, "tilt"), 15.0, 1e-9);
@@ -403,8 +373,7 @@ static void test_cuts(void)
 {
     static const long parts[] = {1, 7, 130};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
-        scoped_trial whole;
-        run_whole(&whole, texts[i], 1000000, "ok");
+        RUN_TRIAL(whole, texts[i], 1000000, "ok");
         for (long k = 0; k < 9; k++)
             check_cut(texts[i], &whole, parts[k % 3], exp_steps(whole.run) * (k + 1) / 10, 50);
     }

@@ -4,8 +4,7 @@
 #include <string.h>
 
 #include "check.h"
-#include "core/random.h"
-#include "folder.h"
+#include "numbers.h"
 #include "program.h"
 
 #include <gsl/gsl_randist.h>
@@ -46,8 +45,7 @@ static void test_runs(void)
     CU_ASSERT(strstr(err, "stage 1, slide.cfg: 12 points, 2 runs each") != NULL);
     SHELL("cp out first && $REPOSE calibrate fit.cfg -o c >out 2>err && cmp out first");
     CU_ASSERT_STRING_EQUAL(err, ""); /* all runs are there */
-    GOOD("calibrate fit.cfg --dry-run -o d");
-    CU_ASSERT(strstr(out, "first stage: 12 points, 24 runs; at most 400") != NULL);
+    PRINTS("first stage: 12 points, 24 runs; at most 400", "calibrate fit.cfg --dry-run -o d");
     /* two numbers of two texts, a name that one of them lacks */
     SHELL("sed 's/mu_roll = 0.1; //; s/.*name = .both.*//; s/10\\*x. },/10*x\\\" } );/' slide.cfg "
           ">other.cfg");
@@ -70,17 +68,14 @@ static void test_runs(void)
 /* Numbers of another program: 0.4 + 2 a + a^2 at the points of a table. */
 static void test_table(void)
 {
-    char path[256];
-    gsl_rng *noise = rp_random_alloc(5, 5, RP_PURPOSE_TEST);
-    path_of("t.tsv", path);
-    FILE *table = fopen(path, "w");
+    scoped_rng *noise = numbers_of(5, 5);
+    FILE *table = file_of("t.tsv");
     fputs("a\ty\n", table);
     for (int i = 0; i < 10; i++)
         for (int k = 0; k < 4; k++)
             fprintf(table, "%g\t%.17g\n", 0.1 * i,
                     0.4 + 0.2 * i + 0.01 * i * i + gsl_ran_gaussian(noise, 0.02));
     fclose(table);
-    gsl_rng_free(noise);
     write_text("fit.cfg", "fit = { a = [0.0, 0.9]; };\n"
                           "measured = ( { runs = \"t.tsv\"; of = \"y\"; value = 1.65; error = 0.02; "
                           "model_error = 0.01; } );\n");
@@ -114,42 +109,33 @@ static void test_folder(void)
 
 static void test_refused(void)
 {
-    static const struct {
-        const char *text, *message;
-    } cases[] = {{"measured = ( );", "fit: missing"},
-                 {"fit = { mu = [0.1, 0.8]; };", "measured: missing"},
-                 {"fit = { mu = [0.8, 0.1]; };", "fit.cfg:1: mu: [0.8, 0.1]: a range from a smaller"},
-                 {"fit = { };", "one to 3 names"},
-                 {"fit = { mu = [0.1, 0.8]; }; colour = 1;", "colour: unknown key"},
-                 {"fit = { mu = [0.1, 0.8]; }; measured = ( { of = \"v\"; value = 1.0; error = 0.1; } );",
-                  "one of experiment, protocol and runs"},
-                 {"fit = { mu = [0.1, 0.8]; }; measured = ( { experiment = \"slide.cfg\"; of = \"v\"; value "
-                  "= 1.0; error = 0.0; } );",
-                  "error = 0: out of range, allowed: (0, inf)"},
-                 {"fit = { mu = [0.1, 0.8]; }; measured = ( { experiment = \"no.cfg\"; of = \"v\"; value = "
-                  "1.0; error = 0.1; } );",
-                  "experiment = \"no.cfg\": no such file"},
-                 {"fit = { mu = [0.1, 0.8]; }; measured = ( { experiment = \"slide.cfg\"; of = \"vv\"; value "
-                  "= 1.0; error = 0.1; } );",
-                  "of = \"vv\": the runs have no such column (did you mean \"v\"?)"},
-                 {"fit = { nu = [0.1, 0.8]; }; measured = ( { experiment = \"slide.cfg\"; of = \"v\"; value "
-                  "= 1.0; error = 0.1; } );",
-                  "fit.nu: no experiment has this name"},
-                 {"fit = { mu = [0.1, 0.8]; }; where = \"nu < 1\"; measured = ( { experiment = "
-                  "\"slide.cfg\"; of = \"v\"; value = 1.0; error = 0.1; } );",
-                  "where nu < 1: character 1: unknown name nu (did you mean \"mu\"?)"},
-                 {"fit = { mu = [0.1, 0.8]; }; budget = 20; measured = ( { experiment = \"slide.cfg\"; of = "
-                  "\"v\"; value = 1.0; error = 0.1; } );",
-                  "budget = 20: the first stage needs 24 runs"},
-                 {"fit = { mu = [0.1, 0.8]; }; measured = ( { experiment = \"slide.cfg\"; of = \"v\"; value "
-                  "= 1.0; error = 0.1; }, { runs = \"t.tsv\"; of = \"y\"; value = 1.0; error = 0.1; } );",
-                  "don't go together"}};
+#define MU "fit = { mu = [0.1, 0.8]; }; "
+#define MEASURED(file, name, error)                                                                          \
+    "measured = ( { experiment = \"" file "\"; of = \"" name "\"; value = 1.0; error = " error "; }"
+    static const char *const cases[][2] = {
+        {"measured = ( );", "fit: missing"},
+        {MU, "measured: missing"},
+        {"fit = { mu = [0.8, 0.1]; };", "fit.cfg:1: mu: [0.8, 0.1]: a range from a smaller"},
+        {"fit = { };", "one to 3 names"},
+        {MU "colour = 1;", "colour: unknown key"},
+        {MU "measured = ( { of = \"v\"; value = 1.0; error = 0.1; } );",
+         "one of experiment, protocol and runs"},
+        {MU MEASURED("slide.cfg", "v", "0.0") " );", "error = 0: out of range, allowed: (0, inf)"},
+        {MU MEASURED("no.cfg", "v", "0.1") " );", "experiment = \"no.cfg\": no such file"},
+        {MU MEASURED("slide.cfg", "vv", "0.1") " );",
+         "of = \"vv\": the runs have no such column (did you mean \"v\"?)"},
+        {"fit = { nu = [0.1, 0.8]; }; " MEASURED("slide.cfg", "v", "0.1") " );",
+         "fit.nu: no experiment has this name"},
+        {MU "where = \"nu < 1\"; " MEASURED("slide.cfg", "v", "0.1") " );",
+         "where nu < 1: character 1: unknown name nu (did you mean \"mu\"?)"},
+        {MU "budget = 20; " MEASURED("slide.cfg", "v", "0.1") " );",
+         "budget = 20: the first stage needs 24 runs"},
+        {MU MEASURED("slide.cfg", "v",
+                     "0.1") ", { runs = \"t.tsv\"; of = \"y\"; value = 1.0; error = 0.1; } );",
+         "don't go together"}};
     write_text("slide.cfg", "%s", slide);
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        write_text("fit.cfg", "%s\n", cases[k].text);
-        FAILS(65, cases[k].message, "calibrate fit.cfg -o r --quiet");
-        SHELL("! test -e r/stage_1_1"); /* before any run */
-    }
+    CHECK_REFUSED(cases, "fit.cfg", "calibrate fit.cfg -o r --quiet");
+    SHELL("! test -e r/stage_1_1"); /* before any run */
     FAILS(64, "says what is measured", "calibrate fit.cfg --theta-r-deg 20 --error-deg 1");
 }
 

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "table/table.h"
@@ -14,6 +15,8 @@
 #include "sweeps/engine/private.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
+#include "tests/folder.h"
+#include "tests/program.h"
 
 /* Numbers that are exact in binary make an edge an edge; one rounding more is `beyond`. */
 static const double beyond = 1.0 + 0x1p-40;
@@ -156,11 +159,9 @@ static void test_joint(void)
     const stats_number d[] = {{1.2, 1.0}, {-4.2, 2.0}};
     const report_together t = report_joint(2, d);
     IS(t.verdict, "reproduced");
-    CHECK_NEAR(t.chi2, 1.44 + 4.41, 1e-14);
-    CHECK_NEAR(t.p, exp(-0.5 * t.chi2), 1e-14);
-    CHECK_NEAR(t.shift.value, (1.2 - 4.2 / 4.0) / 1.25, 1e-14);
-    CHECK_NEAR(t.shift.se, 1.0 / sqrt(1.25), 1e-14);
-    CHECK_NEAR(t.left, 5.4 * 5.4 / 5.0, 1e-14);
+    CHECK_ALL_NEAR(1e-14, {t.chi2, 1.44 + 4.41}, {t.p, exp(-0.5 * t.chi2)},
+                   {t.shift.value, (1.2 - 4.2 / 4.0) / 1.25}, {t.shift.se, 1.0 / sqrt(1.25)},
+                   {t.left, 5.4 * 5.4 / 5.0});
     IS(report_joint(2, (const stats_number[]){{2.0, 1.0}, {1.42, 1.0}}).verdict, "not reproduced");
     IS(report_joint(2, (const stats_number[]){{NAN, 1.0}, {1.42, 1.0}}).verdict, "open");
 }
@@ -236,37 +237,22 @@ static bool test_exists(const char *answer)
     return file_holds(path, plain) || file_holds(path, prefixed);
 }
 
-static const char *cell(const rp_table *t, size_t row, const char *column)
-{
-    return t->cells[row * t->n_columns + (size_t)rp_table_column(t, column)];
-}
-
 /* The program reads every claim. Those answered by tests name ones that exist. Without tables
  * nothing is reproduced, but by tests. */
 static void test_claims_file(void)
 {
-    char path[] = "/tmp/repose_claims_XXXXXX", line[512];
-    const char *program = getenv("REPOSE"), *slash = program ? strrchr(program, '/') : NULL;
-    const int file = mkstemp(path);
-    CU_ASSERT_FATAL(file >= 0);
-    close(file);
-    snprintf(line, sizeof line, "%.*s/report claims --variants --tables /nowhere >%s",
-             slash ? (int)(slash - program) : 5, slash ? program : "build", path);
-    CU_ASSERT_FATAL(system(line) == 0);
-    rp_table t;
-    CHECK_OK(rp_table_read(path, &t));
+    enter();
+    holds_in_tree("\"$REPORT\" claims --variants --tables /nowhere");
+    scoped_table t = read_texts("out");
+    leave();
     CU_ASSERT(t.n_rows > 100);
     for (size_t row = 0; row < t.n_rows; row++) {
-        const char *test = cell(&t, row, "test"), *answer = cell(&t, row, "answer"),
-                   *verdict = cell(&t, row, "verdict");
+        const char *test = word(&t, row, "test"), *answer = word(&t, row, "answer"),
+                   *verdict = word(&t, row, "verdict");
         const bool formula = strcmp(test, "formula") == 0;
-        const bool right =
-            (!formula || test_exists(answer)) && formula == (strcmp(verdict, "reproduced") == 0);
-        if (!right) fprintf(stderr, "claim %s: %s\n", cell(&t, row, "id"), answer);
-        CU_ASSERT(right);
+        CHECK_OR_SAY((!formula || test_exists(answer)) && formula == (strcmp(verdict, "reproduced") == 0),
+                     "claim %s: %s", word(&t, row, "id"), answer);
     }
-    rp_table_free(&t);
-    remove(path);
 }
 
 /* How many of the files that match the pattern hold the text; the first of them is named on failure. */
@@ -291,26 +277,21 @@ static void test_report_texts(void)
     static const char *const words[] = {"reproduced", "supported", "agrees", "confirmed"};
     static const char *const without_numbers[] = {"report/text/*.md.in", "figures/*/*.gp", "sweeps/*/*.cfg",
                                                   "src/*/*.c", "src/*/*/*.c"};
-    rp_table t;
-    for (size_t k = 0; k < sizeof words / sizeof *words; k++) {
+    scoped_table t = {0};
+    for (size_t k = 0; k < sizeof words / sizeof *words; k++)
         CU_ASSERT(files_with("report/text/beyond.md.in", words[k], false) == 0);
-    }
     CHECK_OK(rp_table_read("report/claims.tsv", &t));
     for (size_t row = 0; row < t.n_rows; row++) {
-        char place[128];
-        snprintf(place, sizeof place, "{{claims %s}}", cell(&t, row, "paper"));
-        bool shown = files_with("report/text/claims.md.in", place, true) == 1;
-        if (strcmp(cell(&t, row, "on"), "page") == 0) {
-            snprintf(place, sizeof place, "{{scores %s}}", cell(&t, row, "section"));
-            shown &= files_with("report/text/paper-repro.md.in", place, true) == 1;
-        }
-        if (!shown) fprintf(stderr, "%s: not shown once\n", place);
-        CU_ASSERT(shown);
-        if (strcmp(cell(&t, row, "published_se"), "-") == 0) continue; /* round numbers stand elsewhere too */
+        const char *full = check_text("{{claims %s}}", word(&t, row, "paper")),
+                   *brief = check_text("{{scores %s}}", word(&t, row, "section"));
+        CHECK_OR_SAY(files_with("report/text/claims.md.in", full, true) == 1, "%s: not shown once", full);
+        CHECK_OR_SAY(strcmp(word(&t, row, "on"), "page") != 0 ||
+                         files_with("report/text/paper-repro.md.in", brief, true) == 1,
+                     "%s: not shown once", brief);
+        if (strcmp(word(&t, row, "published_se"), "-") == 0) continue; /* round numbers stand elsewhere too */
         for (size_t k = 0; k < sizeof without_numbers / sizeof *without_numbers; k++)
-            CU_ASSERT(files_with(without_numbers[k], cell(&t, row, "published"), false) == 0);
+            CU_ASSERT(files_with(without_numbers[k], word(&t, row, "published"), false) == 0);
     }
-    rp_table_free(&t);
 }
 
 /* ---- numbers and ranks in the report's sentences ---- */
@@ -335,23 +316,14 @@ static const char *next_number(const char **text, double *number)
 }
 
 /* Every number of the files is a setting, a published number or a case of the validation. */
-static void learn_numbers(const char *pattern)
+static void learn_numbers(const char *path, int line_number, char *line)
 {
-    char line[4096];
-    glob_t found;
-    CU_ASSERT_FATAL(glob(pattern, 0, NULL, &found) == 0);
-    for (size_t i = 0; i < found.gl_pathc; i++) {
-        FILE *in = fopen(found.gl_pathv[i], "r");
-        while (in && fgets(line, sizeof line, in)) {
-            const char *rest = line;
-            for (double number; next_number(&rest, &number);) {
-                CU_ASSERT_FATAL(n_known < MOST_KNOWN);
-                known[n_known++] = number;
-            }
-        }
-        if (in) fclose(in);
+    (void)path, (void)line_number;
+    const char *rest = line;
+    for (double number; next_number(&rest, &number);) {
+        CU_ASSERT_FATAL(n_known < MOST_KNOWN);
+        known[n_known++] = number;
     }
-    globfree(&found);
 }
 
 static bool is_known(double number)
@@ -406,39 +378,29 @@ static bool sentence_is_clean(char *line)
     return clean;
 }
 
+static void check_sentence(const char *path, int number, char *line)
+{
+    scoped char *copy = strdup(line);
+    CHECK_OR_SAY(strchr("|#", *line) || sentence_is_clean(copy), "%s:%d: typed: %s", path, number, line);
+}
+
 static void test_sentences(void)
 {
-    static const char *const sources[] = {"sweeps/*/*.cfg", "report/claims.tsv", "validation/*.c"},
-                             *const texts[] = {"report/text/*.md.in"};
+    static const char *const sources[] = {"sweeps/*/*.cfg", "report/claims.tsv", "validation/*.c"};
     char typed[][64] = {"The pile has 18.04 degrees.", "It differs by 2.49 ± 0.3.", "The best pile extends.",
                         "In all 3217 piles were made.", "A few (of 435, 188) fell."},
          clean[][80] = {"W = 4, mu = 0.2: {{value t v}}.", "The best is {{value t v}}, of 400 grains.",
                         "A base that gives way (Powder Technol. 14, 401, 2003) is another one."};
     n_known = 0;
-    for (size_t k = 0; k < 3; k++) learn_numbers(sources[k]);
+    for (size_t k = 0; k < 3; k++) file_lines(sources[k], learn_numbers);
     for (size_t k = 0; k < sizeof typed / sizeof *typed; k++) CU_ASSERT(!sentence_is_clean(typed[k]));
     for (size_t k = 0; k < sizeof clean / sizeof *clean; k++) CU_ASSERT(sentence_is_clean(clean[k]));
-    for (size_t k = 0; k < 1; k++) {
-        glob_t found;
-        CU_ASSERT_FATAL(glob(texts[k], 0, NULL, &found) == 0);
-        for (size_t i = 0; i < found.gl_pathc; i++) {
-            char line[8192], copy[8192];
-            FILE *in = fopen(found.gl_pathv[i], "r");
-            while (in && fgets(line, sizeof line, in)) {
-                if (strchr("|#", *line)) continue;
-                const bool right = sentence_is_clean(strcpy(copy, line));
-                if (!right) fprintf(stderr, "%s: typed: %s", found.gl_pathv[i], line);
-                CU_ASSERT(right);
-            }
-            if (in) fclose(in);
-        }
-        globfree(&found);
-    }
+    file_lines("report/text/*.md.in", check_sentence);
 }
 
 /* ---- the page that is read: paper-repro.md ---- */
 
-enum { MOST_WORDS = 3500, LONGEST_ROW = 250, LARGEST_PICTURE = 120000, MOST_TEXT = 200000 };
+enum { MOST_WORDS = 3500, LONGEST_ROW = 250, LARGEST_PICTURE = 120000 };
 
 /* What follows `open` up to `close` in the line, in turn; NULL after the last. */
 static const char *next_between(const char **line, const char *open, char close, char text[256])
@@ -453,60 +415,41 @@ static const char *next_between(const char **line, const char *open, char close,
 /* A link to PAGE.md or PAGE.md#PLACE in docs leads to a page, and to a place of it. */
 static bool link_leads(const char *target)
 {
-    char page[512], place[512];
     const int length = (int)strcspn(target, "#");
-    snprintf(page, sizeof page, "docs/%.*s", length, target);
-    snprintf(place, sizeof place, "<a id=\"%s\"></a>", target[length] ? target + length + 1 : "");
-    return access(page, F_OK) == 0 && (!target[length] || file_holds(page, place));
+    const char *page = check_text("docs/%.*s", length, target);
+    return access(page, F_OK) == 0 &&
+           (!target[length] || file_holds(page, check_text("<a id=\"%s\"></a>", target + length + 1)));
 }
 
 static bool picture_is_small(const char *name)
 {
-    char path[512];
-    snprintf(path, sizeof path, "figures/shown/%s", name);
-    FILE *in = fopen(path, "rb");
-    const bool small = in && fseek(in, 0, SEEK_END) == 0 && ftell(in) <= LARGEST_PICTURE;
-    if (in) fclose(in);
-    return small;
+    struct stat info;
+    return stat(check_text("figures/shown/%s", name), &info) == 0 && info.st_size <= LARGEST_PICTURE;
 }
 
 static void check_page_line(const char *line)
 {
     char text[256];
     const char *rest = line;
-    while (next_between(&rest, "](docs/", ')', text)) {
-        if (!link_leads(text)) fprintf(stderr, "paper-repro.md: no docs/%s\n", text);
-        CU_ASSERT(link_leads(text));
-    }
-    for (rest = line; next_between(&rest, "](figures/shown/", ')', text);) {
-        if (!picture_is_small(text)) fprintf(stderr, "figures/shown/%s: none, or too large\n", text);
-        CU_ASSERT(picture_is_small(text));
-    }
-    if (*line == '|' && strlen(line) > LONGEST_ROW) fprintf(stderr, "a long row: %s\n", line);
-    CU_ASSERT(*line != '|' || strlen(line) <= LONGEST_ROW);
+    while (next_between(&rest, "](docs/", ')', text))
+        CHECK_OR_SAY(link_leads(text), "paper-repro.md: no docs/%s", text);
+    for (rest = line; next_between(&rest, "](figures/shown/", ')', text);)
+        CHECK_OR_SAY(picture_is_small(text), "figures/shown/%s: none, or too large", text);
+    CHECK_OR_SAY(*line != '|' || strlen(line) <= LONGEST_ROW, "a long row: %s", line);
 }
 
-/* The page is short enough to be read, its links lead somewhere, and each claim that belongs on it has a row.
- */
+/* The page is short enough to be read, its links lead somewhere, each claim that belongs on it has a row. */
 static void test_page(void)
 {
-    static char text[MOST_TEXT];
-    rp_table t;
-    FILE *in = fopen("paper-repro.md", "r");
-    CU_ASSERT_FATAL(in != NULL);
-    const size_t size = fread(text, 1, sizeof text - 1, in);
-    fclose(in);
-    CU_ASSERT_FATAL(size < sizeof text - 1);
-    text[size] = '\0';
+    size_t size;
+    scoped char *text = file_read("paper-repro.md", &size);
+    scoped_table t = {0};
     CHECK_OK(rp_table_read("report/claims.tsv", &t));
     for (size_t row = 0; row < t.n_rows; row++) {
-        char start[256];
-        if (strcmp(cell(&t, row, "on"), "page") != 0) continue;
-        snprintf(start, sizeof start, "\n| %s | ", cell(&t, row, "statement"));
-        if (!strstr(text, start)) fprintf(stderr, "paper-repro.md lacks: %s\n", start + 1);
-        CU_ASSERT(strstr(text, start) != NULL);
+        if (strcmp(word(&t, row, "on"), "page") != 0) continue;
+        const char *start = check_text("\n| %s | ", word(&t, row, "statement"));
+        CHECK_OR_SAY(strstr(text, start), "paper-repro.md lacks: %s", start + 1);
     }
-    rp_table_free(&t);
     size_t words = 0, lines = 0;
     for (const char *c = text; *c; c++) words += !strchr(" \n|", *c) && (c == text || strchr(" \n", c[-1]));
     for (char *save, *line = strtok_r(text, "\n", &save); line; line = strtok_r(NULL, "\n", &save), lines++)
@@ -568,9 +511,8 @@ static void check_one_setting(const sweep_plan *a, size_t at, const sweep_plan *
         const rp_param *q = rp_params_find(b->protocol->schema, p->name);
         if (!q || strncmp(p->name, "theta_t", 7) == 0 || strcmp(p->name, "tilt") == 0) continue;
         if (strcmp(p->name, "v_cut") == 0) continue; /* a claim of its own says that it makes no difference */
-        CU_ASSERT_STRING_EQUAL(setting_of(a, at, p, text[0]), setting_of(b, bt, q, text[1]));
-        if (strcmp(text[0], text[1]) != 0)
-            fprintf(stderr, "pooled: %s = %s and %s\n", p->name, text[0], text[1]);
+        CHECK_OR_SAY(strcmp(setting_of(a, at, p, text[0]), setting_of(b, bt, q, text[1])) == 0,
+                     "pooled: %s = %s and %s", p->name, text[0], text[1]);
     }
 }
 
@@ -585,16 +527,16 @@ static void test_pools(void)
 {
     enum { MOST_CELLS = 12, MOST_PILES = 8192 };
     static uint64_t streams[MOST_PILES];
-    rp_table t;
+    scoped_table t = {0};
     size_t pools = 0;
     CHECK_OK(rp_table_read("report/claims.tsv", &t));
     for (size_t side = 0; side < 2 * t.n_rows; side++) {
         char text[1024], *rest = text;
         sweep_plan plans[MOST_CELLS];
         size_t points[MOST_CELLS], cells = 0, n = 0;
-        const char *less = strstr(cell(&t, side / 2, side % 2 ? "against" : "answer"), " less ");
+        const char *less = strstr(word(&t, side / 2, side % 2 ? "against" : "answer"), " less ");
         snprintf(text, sizeof text, "%s",
-                 less ? less + 6 : cell(&t, side / 2, side % 2 ? "against" : "answer"));
+                 less ? less + 6 : word(&t, side / 2, side % 2 ? "against" : "answer"));
         if (!strstr(text, " + ") || strstr(text, "trend")) continue; /* trends are weighted by their errors */
         for (pools++; rest; cells++) {
             char *one = rest, *plus = strstr(rest, " + ");
@@ -614,7 +556,6 @@ static void test_pools(void)
         for (size_t k = 0; k < cells; k++) sweep_plan_free(&plans[k]);
     }
     CU_ASSERT(pools > 3);
-    rp_table_free(&t);
 }
 
 CHECK_SUITE(claims, "claims", test_agreement, test_inequalities, test_changes, test_corrected, test_joint,

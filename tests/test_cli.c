@@ -11,10 +11,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "analytic/analytic.h"
 #include "cli/cli.h"
 #include "core/clock.h"
-#include "dem/scene/scene.h"
 #include "sweeps/protocols/protocols.h"
 #include "cli/derive/derive.h"
 #include "tests/check.h"
@@ -25,104 +23,43 @@
 
 /* Closed forms take a few operations on numbers up to 180. */
 #define FORM_TOLERANCE (16.0 * 180.0 * 0x1p-53)
-/* 1000 steps, each rounding a velocity and a position up to 64: 1000 * 64 * 2^-53. */
-#define FALL_TOLERANCE (1000.0 * 64.0 * 0x1p-53)
-
-typedef struct {
-    int status;
-    const char *text, *words;
-} failure;
-
-static void check_failures(size_t n, const failure list[])
-{
-    for (size_t i = 0; i < n; i++) {
-        FAILS(list[i].status, list[i].text, "%s", list[i].words);
-        CU_ASSERT(out[0] == '\0');
-    }
-}
-#define CHECK_FAILURES(list) check_failures(sizeof(list) / sizeof *(list), list)
 
 /* Measured after a fixed time, which is sooner than rest. */
 #define SHORT_RUN "W = 2.0; H = 2.0; stop = \"steps\"; fill_steps = 2500; relax_steps = 1500;"
 
 /* ---- help ---- */
 
-/* Boolean options: help states neither a default nor "required". */
-static const char *const without_default[] = {
-    "--help ",     "--study ",        "--where ",  "--bare ",      "--set ",      "--reduce ",
-    "--base ",     "--other-groups ", "--pair ",   "-o ",          "--runs ",     "--missing ",
-    "--outline ",  "--disks ",        "--linear ", "--set-again ", "--summary ",  "--threshold ",
-    "--dry-run ",  "--ledger ",       "--from ",   "--force ",     "--profile ",  "--resume ",
-    "--rotation ", "--quiet ",        "--color ",  "--stress ",    "--markdown ", "--completion ",
-    "--json ",     "--shard ",        "--start ",  "--variants ",  NULL};
-
-static bool option_line_is_whole(const char *line)
+/* Whether an option says that it is required, or its default; those of texts that may be left out say
+ * neither. */
+static bool is_whole(const rp_param *p)
 {
-    if (strstr(line, "-deg ") && strncmp(line, "--", 2) == 0 && !strstr(line, ", deg")) return false;
-    if (strstr(line, "(default ") || strstr(line, "(required)")) return true;
-    for (const char *const *p = without_default; *p; p++)
-        if (strncmp(line, *p, strlen(*p)) == 0) return true;
-    return false;
+    static const char *const without[] = {"where", "set",    "o",     "outline", "disks",
+                                          "from",  "resume", "color", "shard",   "start"};
+    const size_t length = strlen(p->name);
+    bool whole = p->type == RP_BOOL || !p->fallback || *p->fallback;
+    for (size_t k = 0; k < sizeof without / sizeof *without; k++) whole |= strcmp(p->name, without[k]) == 0;
+    return whole &&
+           (length < 4 || strcmp(p->name + length - 4, "_deg") != 0 || strncmp(p->unit, "deg", 3) == 0);
 }
 
-#define HELP_INDENT "                         "
-
-/* No line of a help is wider than the terminal, but those that keep their form; nor than 110. */
-static void test_help_width(void)
+/* Options are whole, and examples valid, except for missing files. The suite `help` has the whole texts. */
+static void check_commands(const cli_command *const *c)
 {
-    static const int widths[][2] = {{70, 70}, {100, 100}, {200, 110}};
-    for (size_t i = 0; i < sizeof widths / sizeof *widths; i++) {
-        size_t widest = 0;
-        CU_ASSERT_EQUAL(shell_line("COLUMNS=%d \"$REPOSE\" calibrate --help >out 2>err", widths[i][0]), 0);
-        for (const char *line = out; *line; line += strcspn(line, "\n") + 1)
-            if (strcspn(line, "\n") > widest && (line[0] != ' ' || line[2] == '-' || line[3] == ' '))
-                widest = strcspn(line, "\n");
-        CU_ASSERT(widest <= (size_t)widths[i][1] && widest + 12 > (size_t)widths[i][1]);
+    for (; *c; c++) {
+        if ((*c)->group) {
+            check_commands((*c)->group);
+            continue;
+        }
+        const rp_param *lists[] = {(*c)->protocol, (*c)->options ? (*c)->options() : NULL};
+        for (size_t k = 0; k < 2; k++)
+            for (const rp_param *p = lists[k]; p && p->name; p++)
+                CHECK_OR_SAY(is_whole(p), "repose %s: option %s", (*c)->name, p->name);
+        CU_ASSERT(strstr((*c)->example, check_text("repose %s", (*c)->name)) == (*c)->example);
+        if (strcmp((*c)->name, "bench") == 0) continue; /* takes seconds */
+        const int status = run("%s", (*c)->example + strlen("repose "));
+        CHECK_OR_SAY(status == RP_OK || status == RP_BAD_INPUT || status == RP_IO, "%s: exit status %d, %s",
+                     (*c)->example, status, err);
     }
-}
-
-/* `text` is the help of one command. Its example must be valid, except for missing files. */
-static void check_command_help(const char *command, char *text)
-{
-    char usage[64];
-    snprintf(usage, sizeof usage, "usage: repose %s ", command);
-    CU_ASSERT(strncmp(text, usage, strlen(usage)) == 0);
-    char *options = strstr(text, "\noptions:\n"), *refuses = strstr(text, "\nrefuses:\n  "),
-         *example = strstr(text, "\nexample:\n  repose ");
-    CU_ASSERT(options && refuses && example && options < refuses && refuses < example);
-    if (!options || !refuses || !example) return;
-    *refuses = *example = '\0';
-    example += strlen("\nexample:\n  repose ");
-    example[strcspn(example, "\n")] = '\0';
-    CU_ASSERT(strncmp(example, command, strlen(command)) == 0);
-    for (char *more; (more = strstr(options, "\n" HELP_INDENT));) /* join what the width divides */
-        memmove(more + 1, more + strlen("\n" HELP_INDENT), strlen(more + strlen("\n" HELP_INDENT)) + 1),
-            *more = ' ';
-    for (char *line = strtok(options + strlen("\noptions:\n"), "\n"); line; line = strtok(NULL, "\n")) {
-        bool whole = strncmp(line, "  -", 3) == 0 && option_line_is_whole(line + 2);
-        if (!whole) fprintf(stderr, "repose %s --help: \"%s\"\n", command, line);
-        CU_ASSERT(whole);
-    }
-    if (strcmp(command, "bench") == 0) return; /* takes seconds */
-    int status = run("%s", example);
-    bool right = status == RP_OK || status == RP_BAD_INPUT || status == RP_IO;
-    if (!right) fprintf(stderr, "repose %s: exit status %d, %s", example, status, err);
-    CU_ASSERT(right);
-}
-
-static void check_help(const char *command)
-{
-    GOOD("%s --help", command);
-    char *text = strdup(out), *rest = text, *line, name[16], both[64];
-    if (strstr(text, "\noptions:\n"))
-        check_command_help(command, text);
-    else /* an overview: "  name   summary" */
-        for (int n = 0; (line = strsep(&rest, "\n")) || n == 0; n++)
-            if (line && strncmp(line, "  ", 2) == 0 && sscanf(line + 2, "%15[a-z]", name) == 1) {
-                snprintf(both, sizeof both, "%s %s", command, name);
-                check_help(both);
-            }
-    free(text);
 }
 
 /* Addresses at random, tables of the linker read-only. */
@@ -137,55 +74,13 @@ static void test_hardened(void)
 static void test_help(void)
 {
     write_text("scene.cfg", "steps = 2; fill = { N = 3; W = 1.0; H = 1.0; };\n");
-    for (const cli_command *const *c = cli_repose.commands; *c; c++) {
-        GOOD("--help");
-        CU_ASSERT(strstr(out, (*c)->name) != NULL);
-        check_help((*c)->name);
-    }
-    CU_ASSERT_EQUAL(shell("COLUMNS=110 \"$REPOSE\" stress base --help >out 2>err"), 0);
-    CU_ASSERT(strstr(out, "width W of the box, from x = 0, cm; (0, inf) (required)") != NULL);
-    GOOD("stress base --help");
-    CU_ASSERT(strstr(out, "gravity, cm/s^2; (0, inf) (default 981.0)") != NULL);
+    check_commands(cli_repose.commands);
+    GOOD("--help");
+    for (const cli_command *const *c = cli_repose.commands; *c; c++)
+        CU_ASSERT_PTR_NOT_NULL(strstr(out, (*c)->name));
     GOOD("--version");
     CU_ASSERT(strncmp(out, "repose ", 7) == 0);
     CU_ASSERT(run("%s", "") == RP_USAGE && out[0] == '\0' && strstr(err, "usage: repose COMMAND"));
-}
-
-/* Every key of a schema, in its order, each with unit, default and meaning on its line. */
-static const char *check_listed(const char *text, const rp_param *schema)
-{
-    for (const rp_param *p = schema; p->name && text; p++) {
-        char name[64];
-        snprintf(name, sizeof name, "\n  %s ", p->name);
-        text = strstr(text, name);
-        CU_ASSERT(text != NULL);
-        if (!text) break;
-        scoped char *line = strndup(text + 1, strcspn(text + 1, "\n"));
-        bool whole = strstr(line, p->unit) && strstr(line, p->fallback ? p->fallback : "(required)") &&
-                     strstr(line, p->meaning) && (p->type == RP_BOOL || strstr(line, p->range));
-        if (!whole) fprintf(stderr, "repose params: \"%s\"\n", line);
-        CU_ASSERT(whole);
-    }
-    return text;
-}
-
-static void test_params(void)
-{
-    GOOD("params repose");
-    const char *text = check_listed(out, protocol_of(&sweep_protocol_repose)->schema);
-    for (const sweep_output *o = protocol_of(&sweep_protocol_repose)->outputs; o->name && text; o++) {
-        text = strstr(text, o->name);
-        CU_ASSERT(text && strstr(text, o->meaning));
-    }
-    GOOD("params scene");
-    text = out;
-    for (const dem_scene_group *g = dem_scene_schemas; g->name && text; g++) {
-        if (g > dem_scene_schemas) text = strstr(text, g->name);
-        CU_ASSERT(text != NULL);
-        if (text) text = check_listed(text, g->schema);
-    }
-    GOOD("params");
-    CU_ASSERT(strstr(out, "# protocol repose") && strstr(out, "# scene file, fill"));
 }
 
 /* ---- bad input ---- */
@@ -247,7 +142,7 @@ static void test_slurm(void)
         {65, "--shards 1001: Slurm takes arrays of up to 1000 tasks, unless its MaxArraySize is raised; give",
          "sweep slurm d --shards 1001"},
         {65, "none: no such folder", "sweep slurm none --shards 2"}};
-    static char script[4096], expected[4096];
+    static char script[4096];
     char folder[512], program[512];
     write_text("s.cfg", "protocol = \"pile\"; replicas = 9; fixed = { base = 4; };\n");
     GOOD("sweep plan s.cfg -o d");
@@ -259,21 +154,16 @@ static void test_slurm(void)
     slurp("d/array.sh", script, sizeof script);
     SHELL("\"$REPOSE\" sweep slurm d --shards 1000 >most && grep -q -- '^#SBATCH --array=1-1000$' "
           "d/array.sh");
-    snprintf(expected, sizeof expected,
-             "sbatch %s/array.sh\n"
-             "parallel -q --sshlogin HOST1,HOST2 %s sweep run %s --shard {}/7 -j 3 ::: $(seq 7)\n"
-             "repose sweep merge %s\n",
-             folder, program, folder, folder);
-    CU_ASSERT_STRING_EQUAL(out, expected);
-    snprintf(
-        expected, sizeof expected,
-        "#SBATCH --array=1-7\n#SBATCH --cpus-per-task=3\n#SBATCH --time=0:30:00\n#SBATCH --mem-per-cpu=2G\n");
-    CU_ASSERT_PTR_NOT_NULL(strstr(script, expected));
-    snprintf(expected, sizeof expected,
-             "exec >>%s/shards/$SLURM_ARRAY_TASK_ID-of-7.log 2>&1\n%s sweep run %s --shard "
-             "$SLURM_ARRAY_TASK_ID/7 -j 3 &\n",
-             folder, program, folder);
-    CU_ASSERT_PTR_NOT_NULL(strstr(script, expected));
+    CU_ASSERT_STRING_EQUAL(out,
+                           check_text("sbatch %s/array.sh\nparallel -q --sshlogin HOST1,HOST2 %s sweep run "
+                                      "%s --shard {}/7 -j 3 ::: $(seq 7)\nrepose sweep merge %s\n",
+                                      folder, program, folder, folder));
+    CU_ASSERT_PTR_NOT_NULL(strstr(script, "#SBATCH --array=1-7\n#SBATCH --cpus-per-task=3\n#SBATCH "
+                                          "--time=0:30:00\n#SBATCH --mem-per-cpu=2G\n"));
+    CU_ASSERT_PTR_NOT_NULL(strstr(
+        script, check_text("exec >>%s/shards/$SLURM_ARRAY_TASK_ID-of-7.log 2>&1\n%s sweep run %s --shard "
+                           "$SLURM_ARRAY_TASK_ID/7 -j 3 &\n",
+                           folder, program, folder)));
     CHECK_FAILURES(list);
 }
 
@@ -294,8 +184,7 @@ static void test_slurm_names(void)
             "'s/^sbatch/test -f/; 1p' said)\" || exit 6; test -s \"$d/shards/1-of-2.log\" || exit 7; ! ls "
             "hit >>out 2>&1";
         const int status = shell(script);
-        if (status) fprintf(stderr, "sweep slurm in \"%s\": step %d: %s\n", names[k], status, err);
-        CU_ASSERT_EQUAL(status, 0);
+        CHECK_OR_SAY(status == 0, "sweep slurm in \"%s\": step %d: %s", names[k], status, err);
     }
 }
 
@@ -332,12 +221,9 @@ static void test_random_folders(void)
             exit(repose_main(6, line));
         }
         CU_ASSERT(waitpid(child, &end, 0) == child && end == 0);
-        char path[PATH_MAX + 96];
         size_t n;
-        snprintf(path, sizeof path, "%s/array.sh", folder);
-        scoped char *script = file_read(path, &n);
-        snprintf(path, sizeof path, "%s/said", root);
-        scoped char *said = file_read(path, &n);
+        scoped char *script = file_read(folder_path(folder, "array.sh"), &n);
+        scoped char *said = file_read(folder_path(root, "said"), &n);
         const char *at = script, *then = said;
         said[n - 1] = '\0'; /* the end of the last line */
         scoped char *log = between(&at, "exec >>", "/shards/$SLURM_ARRAY_TASK_ID-of-2.log 2>&1\n"),
@@ -351,8 +237,7 @@ static void test_random_folders(void)
     }
     fclose(words);
     SHELL("sh words.sh >read 2>err && ! ls hit >out 2>>err");
-    snprintf(folder, sizeof folder, "%s/hit", root);
-    CU_ASSERT(access(folder, F_OK) != 0);
+    CU_ASSERT(access(folder_path(root, "hit"), F_OK) != 0);
     path_of("read", folder);
     size_t n;
     scoped char *read = file_read(folder, &n);
@@ -362,9 +247,7 @@ static void test_random_folders(void)
             snprintf(folder, sizeof folder, "%s/x%.*s%s", root, NUMBERS_TEXT, name[k],
                      w == 2 ? "/array.sh" : "");
             CU_ASSERT_FATAL(word < read + n);
-            if (strcmp(word, folder) != 0)
-                fprintf(stderr, "the shell reads \"%s\" for \"%s\"\n", word, folder);
-            CU_ASSERT_FATAL(strcmp(word, folder) == 0);
+            CHECK_OR_SAY(strcmp(word, folder) == 0, "the shell reads \"%s\" for \"%s\"", word, folder);
         }
     CU_ASSERT(word == read + n);
     folder_remove(root);
@@ -433,8 +316,7 @@ static void test_killed_plans(void)
             killed = kill_at(k + 1, cases[c].words);
             if (c > 0) SHELL("\"$REPOSE\" sweep status d >out 2>err");
             const int status = shell_line("{ %s && \"$REPOSE\" sweep status d; } >out 2>err", cases[c].after);
-            if (status) fprintf(stderr, "killed at call %ld of %s: %s\n", k + 1, cases[c].words[2], err);
-            CU_ASSERT_EQUAL(status, 0);
+            CHECK_OR_SAY(status == 0, "killed at call %ld of %s: %s", k + 1, cases[c].words[2], err);
         }
         CU_ASSERT(k > 50);
     }
@@ -470,8 +352,6 @@ static void test_bad_values(void)
         {65, "empty.tsv: no grains", "angle slope empty.tsv --width 4"},
         {65, "-n = 0: out of range", "bench -n 0"},
         {65, "-n = 100001: out of range, allowed: [1, 100000]", "bench -n 100001"},
-        {65, "\"frob\": unknown protocol", "params frob"},
-        {65, "\"scenes\": unknown protocol (did you mean \"scene\"?)", "params scenes"},
         {65, "none.cfg: cannot read", "run none.cfg"},
         {65, "none.cfg: cannot read", "sweep plan none.cfg -o d"},
         {65, "none: no such folder", "sweep run none"},
@@ -485,30 +365,19 @@ static void test_bad_values(void)
     CHECK_FAILURES(list);
 }
 
-/* A bench counts the same contacts as a run of the scene. */
+/* Times of a bench are those of the processor; the suite `columns` has its numbers. */
 static void test_bench(void)
 {
     write_text("start.tsv", "# x\ty\tr\n0.1\t0.1\t0.1\n0.3\t0.1\t0.1\n0.2\t0.274\t0.1\n");
-    GOOD("bench --start start.tsv --steps 300000 --repeat 2"); /* some ticks of a coarse clock */
-    scoped_table t = read_table("out");
-    CU_ASSERT(cell(&t, 0, "grains") == 3.0 && cell(&t, 0, "steps") == 3e5);
-    CHECK_NEAR(cell(&t, 0, "share_contacts") + cell(&t, 0, "share_lists") + cell(&t, 0, "share_integration") +
-                   cell(&t, 0, "share_walls"),
-               1.0, 1e-14);
     write_text("short.tsv", "# x\ty\n0.1\t0.1\n");
-    /* the upper grain presses the other two against the walls */
-    CHECK_NEAR(cell(&t, 0, "contacts"), 2.0 / 3.0, 1e-15);
-    const double inner = cell(&t, 0, "share_contacts") + cell(&t, 0, "share_integration");
-    CHECK_NEAR(cell(&t, 0, "bound") * inner, cell(&t, 0, "median"), 1e-14 * cell(&t, 0, "median"));
-    CU_ASSERT(cell(&t, 0, "best") >= cell(&t, 0, "median") && cell(&t, 0, "median") > 0.0);
-    /* the time of the processor counts, without that of a stop and of what came before */
+    /* without that of a stop and of what came before */
     const double steps = check_fast() ? 1e5 : 1e6, begun = rp_clock();
     CU_ASSERT(shell_line(
                   "\"$REPOSE\" bench --start start.tsv --steps %.0f --repeat 1 >out 2>err & p=$!; sleep 0.1; "
                   "kill -STOP $p; sleep 0.8; kill -CONT $p; wait $p",
                   steps) == 0);
     const double wall = rp_clock() - begun;
-    read_again(&t, "out");
+    scoped_table t = read_table("out");
     const double took = 3.0 * steps / (1e6 * cell(&t, 0, "median"));
     CU_ASSERT(took > 1e-3 * steps / 3e5 && took < wall - 0.75);
     for (int threads = 1; threads < 3; threads++) {
@@ -524,55 +393,30 @@ static void test_bench(void)
 
 #define GRAIN "{ x = 0.1; y = 0.2; r = 0.1; }"
 
+/* The suite `scene` has what else is refused. */
 static void test_bad_scenes(void)
 {
-    static const struct {
-        const char *line, *particles, *text;
-    } list[] = {
-        {"frob = 3;", GRAIN, "s.cfg:1: frob: unknown key"},
-        {"dt = \"fast\";", GRAIN, "s.cfg:1: dt = \"fast\": character 1: unknown name fast"},
-        {"steps = 4.5;", GRAIN, "s.cfg:1: steps = 4.5: a whole number expected"},
-        {"dt = 0.0;", GRAIN, "s.cfg:1: dt = 0: out of range, allowed: (0, inf)"},
-        {"dt = 1.0e-2;", GRAIN, "the limit is "},
-        {"steps = 3000000000;", GRAIN, "s.cfg:1: 3000000000: whole numbers go up to 2147483647"},
-        {"dt = 1e400;", GRAIN, "s.cfg:1: dt"},
-        {"steps = ;", GRAIN, "s.cfg:1: syntax error"},
-        {"tangential = { mu = 0.2; };", GRAIN, "s.cfg:1: mu = 0.2: needs a tangential law"},
-        {"", "{ x = 0.1; y = 0.2; r = -0.1; }",
-         "s.cfg:4: particles.[0].r = -0.1: out of range, allowed: (0, inf)"},
-        {"", "{ x = 0.1; y = 0.2; }", "s.cfg:4: particles.[0].r: missing"},
-        {"", "", "s.cfg:3: particles: no particles"},
+#define SCENE " walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } ); particles = ( " GRAIN " );"
+    static const char *const list[][2] = {
+        {"frob = 3;" SCENE, "s.cfg:1: frob: unknown key"},
+        {"dt = 1.0e-2;" SCENE, "the limit is "},
+        {"particles_file = \"/dev/zero\";", "/dev/zero: no text"},
     };
-    for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
-        write_text("s.cfg",
-                   "%s\nwalls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\nparticles = (\n%s );\n",
-                   list[i].line, list[i].particles);
-        FAILS(65, list[i].text, "run s.cfg -o made");
-        CU_ASSERT(out[0] == '\0');
-    }
-    write_text("s.cfg", "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n");
-    FAILS(65, "s.cfg: no grains: particles, particles_file or fill is needed", "run s.cfg");
+    CHECK_REFUSED(list, "s.cfg", "run s.cfg -o made");
     write_text("s.cfg", "particles = ( " GRAIN " );\n");
-    FAILS(64, "--row needs a sweep", "run s.cfg --row 1");
-    FAILS(65, "frob: unknown key", "run s.cfg --set frob=1");
-    FAILS(65, "--set steps: key=value expected", "run s.cfg --set steps");
-    FAILS(65, "--set k_n=1e5: of a scene the key is normal.k_n", "run s.cfg --set k_n=1e5");
-    FAILS(65, "steps", "run s.cfg --set steps=many");
-    FAILS(65, "--set:1: 4294967396: whole numbers go up to", "run s.cfg --set steps=4294967396");
-    FAILS(65, "steps = \"5; dt = 6\"", "run s.cfg --set 'steps=5; dt = 6'");
+    static const failure changes[] = {
+        {64, "--row needs a sweep", "run s.cfg --row 1"},
+        {65, "frob: unknown key", "run s.cfg --set frob=1"},
+        {65, "--set:1: 4294967396: whole numbers go up to", "run s.cfg --set steps=4294967396"},
+        {65, "steps = \"5; dt = 6\"", "run s.cfg --set 'steps=5; dt = 6'"}};
+    CHECK_FAILURES(changes);
     FAILS(65, "more than 500 bytes", "run s.cfg --set steps=%0600d", 5);
     /* entries of lists, and lists as values */
     write_text("s.cfg", "steps = 10; particles = ( " GRAIN " );\n"
                         "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },\n"
                         "{ point = [0.0, 0.0]; direction = [1.0, 0.0]; velocity = [0.0, 0.0]; } );\n");
-    FAILS(65, "--set walls[2].mu=1: walls is a list of 2 entries: walls[0] to walls[1]",
-          "run s.cfg --set 'walls[2].mu=1'");
-    FAILS(65, "walls is a list of 2 entries", "run s.cfg --set 'walls.mu=1'");
     FAILS(65, "walls is a list of 2 entries", "run s.cfg --set 'walls[1x].mu=1'");
-    FAILS(65, "steps is no list with entries", "run s.cfg --set 'steps[0].mu=1'");
     FAILS(65, "steps has no keys of its own", "run s.cfg --set 'steps.mu=1'");
-    FAILS(65, "no such group (did you mean \"walls\"?)", "run s.cfg --set 'wals[0].mu=1'");
-    FAILS(65, "give a key of the entry, or the whole list", "run s.cfg --set 'walls[0]=1'");
     FAILS(65, "did you mean \"omega\"", "run s.cfg --set 'walls[1].omeg=3'");
     GOOD("run s.cfg --set 'walls[1].omega=3' --set 'walls[1].velocity=(0.5, 0)' --set 'gravity=[0, -1]' -o "
          "set");
@@ -580,11 +424,7 @@ static void test_bad_scenes(void)
     CHECK_NEAR(cell(&walls, 0, "direction_y"), 1.0, 0.0);
     CHECK_EACH(cell(&walls, 1, NAME), 1e-12, {"x", 0.5 * 10 * 5e-5}, {"direction_y", sin(3.0 * 10 * 5e-5)});
     CHECK_NEAR(cell(&grains, 0, "vy"), -1.0 * 10 * 5e-5, 1e-12);
-    write_text("s.cfg", "particles_file = \"/dev/zero\";\n");
-    FAILS(65, "/dev/zero: no text", "run s.cfg");
-    char path[256];
-    path_of("made", path);
-    CU_ASSERT(access(path, F_OK) != 0); /* no output before the scene is valid */
+    SHELL("! test -e made"); /* no output before the scene is valid */
 }
 
 /* Scenes and sweeps are files of the same syntax: each command says which command takes the other. */
@@ -601,32 +441,17 @@ static void test_sweep_or_scene(void)
     FAILS(65, "tables.cfg is a sweep file of models alone; repose sweep make", "run tables.cfg -o d");
 }
 
+/* The suite `sweep` has what else is refused. */
 static void test_bad_sweeps(void)
 {
-    static const struct {
-        const char *file, *text;
-    } list[] = {
-        {"protocol = \"frob\"; seed = 1; replicas = 1;", "frob"},
-        {"particles = ( { x = 0.0; y = 0.1; r = 0.1; } );",
-         "s.cfg: a scene (it has particles), no sweep; repose run s.cfg simulates it"},
-        {"protocol = \"repose\"; seed = 1; replicas = 0;", "s.cfg:1: replicas = 0: out of range"},
-        {"protocol = \"repose\"; seed = -1; replicas = 1;", "s.cfg:1: seed = -1: out of range"},
-        {"protocol = \"repose\"; seed = 1; replicas = 1; fixed = { frob = 1; };", "frob: unknown key"},
-        {"protocol = \"repose\"; seed = 1; replicas = 1; fixed = { floor = \"up\"; };",
-         "floor = \"up\": unknown word"},
-        {"protocol = \"repose\"; seed = 1; replicas = 1; fixed = { dt = 1.0e-3; };", "the limit is "},
-        {"protocol = \"repose\"; seed = 1; replicas = 1; fixed = { slip = \"total\"; };",
-         "needs stop = \"steps\""},
-        {"protocol = \"repose\"; seed = 1; replicas = 1; grid = { mu = [0.1, -0.2]; };",
-         "mu = -0.2: out of range"},
+#define REPOSE "protocol = \"repose\"; seed = 1; replicas = 1; "
+    static const char *const list[][2] = {
+        {REPOSE "fixed = { frob = 1; };", "frob: unknown key"},
+        {REPOSE "fixed = { dt = 1.0e-3; };", "the limit is "},
+        {REPOSE "fixed = { slip = \"total\"; };", "needs stop = \"steps\""},
     };
-    char path[256];
-    path_of("d", path);
-    for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
-        write_text("s.cfg", "%s\n", list[i].file);
-        FAILS(65, list[i].text, "sweep plan s.cfg -o d");
-        CU_ASSERT(out[0] == '\0' && access(path, F_OK) != 0);
-    }
+    CHECK_REFUSED(list, "s.cfg", "sweep plan s.cfg -o d");
+    SHELL("! test -e d");
     write_text("s.cfg", "protocol = \"repose\"; replicas = 2; seed = 1;\n");
     FAILS(64, "--row N -o DIR", "run s.cfg");
     FAILS(64, "--set needs a scene", "run s.cfg --set mu=0.3 -o d");
@@ -677,11 +502,9 @@ static void test_broken_output(void)
     write_text("garbage/store.sqlite", "%4000s", "not a data base");
     CHECK_FAILURES(list);
     /* a limit of the file's size is a failed write, and no half table stays */
-    CU_ASSERT(failed(
-        __FILE__, __LINE__,
-        shell("ulimit -f 1; exec \"$REPOSE\" run scene.cfg --every 1 --set steps=99 -o full >out 2>err"), 74,
-        "File too large"));
-    CU_ASSERT_EQUAL(shell("test -z \"$(ls full)\""), 0);
+    SHELL_FAILS(74, "File too large",
+                "ulimit -f 1; exec \"$REPOSE\" run scene.cfg --every 1 --set steps=99 -o full >out 2>err");
+    SHELL("test -z \"$(ls full)\"");
     slurp("file", out, sizeof out);
     CU_ASSERT_STRING_EQUAL(out, "a file where a folder is expected\n");
     slurp("garbage/store.sqlite", out, sizeof out);
@@ -693,43 +516,23 @@ static void test_broken_output(void)
 
 /* ---- values ---- */
 
+/* The suites `tables` and `notes` have lattices, continua and the dip. */
 static void test_static_models(void)
 {
-    scoped_table t = TABLE_OF("lattice --layers 45");
-    CU_ASSERT(t.n_rows == 45);
-    for (size_t i = 0; i < t.n_rows; i++) {
-        /* (42): N = (k + 1)/2; (44): H grows by equal parts from toe to toe, 0 in the middle */
-        CHECK_EACH(cell(&t, i, NAME), FORM_TOLERANCE, {"N/mg", 23.0},
-                   {"H/mg", ((double)i - 22.0) / sqrt(3.0)});
-    }
-
-    /* rays of 60 degrees from the middle reach the flanks at B tan 30 / (2 (sin 60 + tan 30 cos 60)) = B/4
-     * each, and from x in the flank, (54): sqrt 3 x sin 30 cos 30 / (2 sin 90 sin 30) = 3/4 x */
-    AGAIN_OF(t, "continuum --alpha-deg 30 --at 0.5,0.12,0.88");
-    CU_ASSERT(t.n_rows == 3);
-    CHECK_EACH(cell(&t, 0, NAME), FORM_TOLERANCE, {"N/(chi*g*B)", 0.25}, {"H/(chi*g*B)", 0.0});
-    CHECK_EACH(cell(&t, 1, NAME), FORM_TOLERANCE, {"N/(chi*g*B)", 0.09},
-               {"H/(chi*g*B)", -0.12 / (4.0 * sqrt(3.0))});
-    CHECK_NEAR(cell(&t, 2, "H/(chi*g*B)"), 0.12 / (4.0 * sqrt(3.0)), FORM_TOLERANCE);
-
     /* a tent whose slopes are equal is a triangle */
-    AGAIN_OF(t, "continuum --alpha-deg 23.85 --points 31");
+    scoped_table t = TABLE_OF("continuum --alpha-deg 23.85 --points 31");
     scoped_table tent = TABLE_OF("tent --outer-deg 23.85 --inner-deg 23.85 --x1 0.2385 --points 31");
     CU_ASSERT(t.n_rows == 31 && tent.n_rows == 31);
     for (size_t i = 0; i < 31; i++) {
-        CHECK_NEAR(cell(&t, i, "x/B"), (double)i / 30.0, FORM_TOLERANCE);
-        CHECK_NEAR(cell(&tent, i, "x/B"), (double)i / 30.0, FORM_TOLERANCE);
-        CHECK_NEAR(cell(&tent, i, "y/B"), tan(23.85 * deg) * fmin((double)i, 30.0 - (double)i) / 30.0,
-                   FORM_TOLERANCE);
+        CHECK_ALL_NEAR(FORM_TOLERANCE, {cell(&t, i, "x/B"), (double)i / 30.0},
+                       {cell(&tent, i, "x/B"), (double)i / 30.0},
+                       {cell(&tent, i, "y/B"), tan(23.85 * deg) * fmin((double)i, 30.0 - (double)i) / 30.0});
         CHECK_EACH(cell(&tent, i, NAME), FORM_TOLERANCE, {"N/(chi*g*B)", cell(&t, i, "N/(chi*g*B)")},
                    {"H/(chi*g*B)", cell(&t, i, "H/(chi*g*B)")});
     }
 
-    /* the dip of Fig. 19; a steeper outer slope has none */
-    GOOD("tent --outer-deg 30 --inner-deg 45 --x1 0.38");
-    CU_ASSERT(strstr(out, "# dip: 0.0") != NULL && strstr(out, " 0.25 in the middle") != NULL);
-    GOOD("tent --outer-deg 45 --inner-deg 30 --x1 0.38");
-    CU_ASSERT(strstr(out, "# dip: 0: ") != NULL);
+    /* a steeper outer slope has no dip */
+    PRINTS("# dip: 0: ", "tent --outer-deg 45 --inner-deg 30 --x1 0.38");
 }
 
 static void test_angles(void)
@@ -801,15 +604,12 @@ static void test_outline(void)
     FAILS(1, "sparse: 5 of 10 cells", "angle slope outline.csv --width 10 --cell 1");
     /* grains: their mean diameter, by name or in the third column */
     write_text("outline.csv", "0.5 9 0.3\n1.5 8 0.5\n2.5 7 0.7\n3.5 6 0.5\n4.5 5 0.5\n");
-    GOOD("angle slope outline.csv --width 5");
-    CU_ASSERT(strstr(out, "\n# cell: 1 mean diameter of the grains\n") != NULL);
+    PRINTS("\n# cell: 1 mean diameter of the grains\n", "angle slope outline.csv --width 5");
     /* one name makes names of all */
     static const char *const headers[][2] = {{"x h b", "\"y\""}, {"a y b", "\"x\""}, {"a b r", "\"x\""}};
     for (size_t k = 0; k < 3; k++) {
-        char expected[64];
         write_text("outline.csv", "%s\n0.5 9 0.3\n1.5 8 0.5\n", headers[k][0]);
-        snprintf(expected, sizeof expected, "no column %s", headers[k][1]);
-        FAILS(65, expected, "angle slope outline.csv --width 5");
+        FAILS(65, check_text("no column %s", headers[k][1]), "angle slope outline.csv --width 5");
     }
     write_text("outline.csv", "0.5 9 0.3\n1.5 8 0\n2.5 7 0.7\n");
     FAILS(65, "outline.csv:2: r = 0: out of range", "angle slope outline.csv --width 5");
@@ -884,9 +684,7 @@ static void test_group_order(void)
         const char *at = out;
         GOOD("%s --help", groups[g][0]);
         for (int k = 1; groups[g][k]; k++) {
-            char name[64];
-            snprintf(name, sizeof name, "\n  %s ", groups[g][k]);
-            at = strstr(at, name);
+            at = strstr(at, check_text("\n  %s ", groups[g][k]));
             CU_ASSERT_PTR_NOT_NULL_FATAL(at);
         }
     }
@@ -907,10 +705,7 @@ static void test_angle_tables(void)
     CU_ASSERT(strstr(out, "no_pile") != NULL);
     test_outline();
     test_slope_anywhere();
-    write_text("line.tsv", "# mu\ttheta\tse\n0.05\t1.5\t0.1\n0.1\t2.5\t0.1\n0.2\t4.5\t0.2\n0.3\tnan\tnan\n");
-    AGAIN_OF(t, "stats fit line.tsv -x mu -y theta --se se");
-    CHECK_EACH(cell(&t, 0, NAME), 1e-10, {"slope", 20.0}, {"intercept", 0.5});
-    CHECK_NEAR(cell(&t, 0, "n"), 3.0, 0.0);
+    write_text("line.tsv", "# mu\ttheta\tse\n0.05\t1.5\t0.1\n");
     FAILS(65, "no column \"theta_r3_deg\"", "angle compare line.tsv");
 }
 
@@ -929,10 +724,9 @@ static void test_stress_tables(void)
                490.5 * sqrt(2.0), 490.5 * sqrt(2.0));
     scoped_table t = TABLE_OF("stress base p --width 1.2 --cell 0.2");
     static const double n[] = {1471.5, 0.0, 2452.5, 490.5}, weight[] = {981.0, 981.0, 1962.0, 490.5};
-    for (size_t i = 0; i < 4; i++) {
+    for (size_t i = 0; i < 4; i++)
         CHECK_EACH(cell(&t, i, NAME), 1e-8, {"N", n[i] / 0.2}, {"H", i == 2 ? 490.5 / 0.2 : 0.0},
                    {"weight", weight[i] / 0.2}, {"imbalance", 0.0});
-    }
     /* of a run's folder; of several steps one is named */
     SHELL("mkdir d; for t in contacts:contacts grains:states; do (sed '1s/# /# step\t/; 2,$s/^/1\t/' "
           "p_${t%:*}.tsv; sed '1d; s/^/2\t/' p_${t%:*}.tsv) >d/${t#*:}.tsv; done");
@@ -945,10 +739,8 @@ static void test_stress_tables(void)
     static const char *const walls[] = {"$2 ? 3 - $2 : 0", "$2 == 1 ? 3 + ($3 > 0.6) : $2"};
     static const char named[] = "awk -v FS='\t' -v OFS='\t' 'NR > 1 { %s } { print }' p_contacts.tsv "
                                 ">w_contacts.tsv && cp p_grains.tsv w_grains.tsv";
-    char change[96];
     for (size_t k = 0; k < 3; k++) {
-        snprintf(change, sizeof change, "$2 = %s", walls[k % 2]);
-        CU_ASSERT(shell_line(named, change) == 0);
+        CU_ASSERT(shell_line(named, check_text("$2 = %s", walls[k % 2])) == 0);
         scoped_table w = TABLE_OF("stress base w --width 1.2 --cell 0.2 %s", k == 2 ? "--floor 2" : "");
         for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&w, i, "N"), cell(&t, i, "N"), 0.0);
     }
@@ -959,12 +751,6 @@ static void test_stress_tables(void)
     FAILS(65, "w: no contact with a level floor: name its wall by --floor", "stress base w --width 1.2");
     GOOD("stress base w --width 1.2 --floor 1");
     FAILS(65, "w: no contact with a level floor", "stress base w --width 1.2 --floor 7");
-    AGAIN_OF(t, "stress field p p_contacts.tsv --width 1.2 --cell 1.2");
-    /* sum of force times branch vector over 1.44: two contacts of 490.5 x 0.2 per side; floor and wall at 0.1
-     */
-    CHECK_EACH(cell(&t, 0, NAME), 1e-8, {"sxx", (2.0 * 490.5 * 0.2 + 490.5 * 0.1) / 1.44},
-               {"syy", (2.0 * 490.5 * 0.2 + (1471.5 + 2452.5 + 3.0 * 490.5) * 0.1) / 1.44},
-               {"sxy", -490.5 * 0.1 / 1.44});
     /* a grain that flew off is named with its pile; 100000 cells away it still has one */
     shell(
         "cp p_contacts.tsv far_contacts.tsv; sed 's/^0.7/2e4/' p_grains.tsv >far_grains.tsv; "
@@ -1022,20 +808,16 @@ static void test_cut_drops(void)
     FAILS(1, "no_pile: phase relax, step 20: pile.height < 2", "run s.cfg --row 6 -o layer");
     GOOD("sweep plan s.cfg -o d");
     GOOD("sweep run d");
-    GOOD("sweep export d --reduce -o points.tsv");
-    scoped_table t = read_table("points.tsv");
-    for (size_t k = 0; k < 3; k++) {
+    scoped_table t = TABLE_OF("sweep export d --reduce");
+    for (size_t k = 0; k < 3; k++)
         CHECK_EACH(cell(&t, k, NAME), 0.0, {"n", k == 0 ? 3.0 : 0.0}, {"n_failed", k == 0 ? 0.0 : 3.0});
-    }
     GOOD("sweep export d -o runs.tsv");
     read_again(&t, "runs.tsv");
     for (size_t k = 3; k < 9; k++) CU_ASSERT(cell(&t, k, "capped_share") > 0.0 || k > 5);
-    GOOD("stress dip runs.tsv");
-    CU_ASSERT(strstr(out, "# rows: 3 used, 6 left out\n") != NULL);
+    PRINTS("# rows: 3 used, 6 left out\n", "stress dip runs.tsv");
 }
 
-/* Planted tables of runs: limit + c/W exactly, a change of -3 and of 0 over two decades, a line that bends.
- */
+/* Planted tables of runs: a change of -3 and of 0 over two decades; the suite `tables` has all columns. */
 static void test_stats_trends(void)
 {
     FILE *file = file_of("runs.tsv");
@@ -1050,16 +832,12 @@ static void test_stats_trends(void)
     fclose(file);
     scoped_table t = TABLE_OF("stats size runs.tsv -x W -y theta --by mu --to 6");
     CU_ASSERT(t.n_rows == 3);
-    CHECK_EACH(cell(&t, 1, NAME), 1e-12, {"limit", 18.05}, {"c", 0.0}, {"x_from", 2.0}, {"x_to", 6.0});
     CU_ASSERT_STRING_EQUAL(t.cells[3 * t.n_columns - 1], "no_result");
     GOOD("stats trend runs.tsv -x k -y theta --by mu --to 1e6 --scale log --pair");
     CU_ASSERT(strstr(out, "# rows: 25 used, 1 without result, 2 with nan, 0 outside") != NULL);
     read_again(&t, "out");
-    CHECK_NEAR(cell(&t, 0, "slope"), -1.5 - 0.5, 1e-12); /* 3/W falls by 1 as well */
-    CHECK_NEAR(cell(&t, 0, "change"), -4.0, 1e-12);
     CHECK_NEAR(cell(&t, 0, "n_left"), 0.0, 0.0);
     CHECK_NEAR(cell(&t, 1, "n_left"), 1.0, 0.0); /* the pile with a single x */
-    CHECK_NEAR(cell(&t, 0, "p_holm"), 0.0, 1e-9);
     CU_ASSERT_STRING_EQUAL(t.cells[t.n_columns - 1], "falls");
     CU_ASSERT_STRING_EQUAL(t.cells[2 * t.n_columns - 1], "no_dependence_within_margin");
     CU_ASSERT_STRING_EQUAL(t.cells[3 * t.n_columns - 1], "no_result");
@@ -1094,8 +872,7 @@ static void test_stats_trends(void)
                "# units: 1\tcm\t1\tdegree\t1\n# "
                "law\ta\tb\ty\tpile\nold\t1\tu\t5\t0\nnew\t1\tu\t7\t0\nold\t1\tu\t6\t1\n"
                "new\t1\tu\t8.5\t1\nold\t1\tv\t1\t0\nnew\t1\tv\t1\t0\nold\t1\tv\t2\t1\nnew\t1\tv\t2\t1\n");
-    GOOD("stats trend runs.tsv -x law -y y --by a,b --pair");
-    CU_ASSERT(strstr(out, "# words: old = 0, new = 1\n") != NULL);
+    PRINTS("# words: old = 0, new = 1\n", "stats trend runs.tsv -x law -y y --by a,b --pair");
     read_again(&t, "out");
     CU_ASSERT(t.n_rows == 2);
     CU_ASSERT(strstr(out, "# units: cm\t1\t1\t1\t1\tx\tx\t") != NULL); /* each with its own unit */
@@ -1112,8 +889,7 @@ static void test_stats_trends(void)
                                                "2 = 0, 3 = 1, old = 2"};
     for (size_t k = 0; k < sizeof mixed / sizeof *mixed; k++) {
         write_text("mixed.tsv", "# x\ty\n%s", mixed[k]);
-        GOOD("stats trend mixed.tsv -x x -y y");
-        CU_ASSERT_PTR_NOT_NULL(strstr(out, words[k]));
+        PRINTS(words[k], "stats trend mixed.tsv -x x -y y");
     }
     write_text("runs.tsv", "# x\ty\n1\t2\n2\t4\n0\t1\n");
     FAILS(65, "runs.tsv:4: x = 0: out of range of this scale", "stats trend runs.tsv -x x -y y --scale log");
@@ -1126,18 +902,15 @@ static void test_stats_select(void)
 {
     write_text("a.tsv", "# units: 1\tcm\t1\t1\nlaw\tx\tb\tstatus\nold\t1\t1e-3\tok\nnew\t2\t2e-3\tok\n"
                         "law\tx\tb\tstatus\nold\t10\tnan\tfell\nnew\t-3\t7\tok\n");
-    GOOD("stats select a.tsv --where 'x>=2' --where law=new --columns b,x --bare");
-    CU_ASSERT_STRING_EQUAL(out, "2e-3\t2\n");
+    PRINTS_ALL("2e-3\t2\n", "stats select a.tsv --where 'x>=2' --where law=new --columns b,x --bare");
     GOOD("stats select a.tsv --where 'x<1.5' --where 'b!=0.001'"); /* as numbers: 1e-3 is 0.001 */
     CU_ASSERT(strstr(out, "# units: 1\tcm\t1\t1\nlaw\tx\tb\tstatus\nnew\t-3\t7\tok\n") != NULL);
     GOOD("stats select a.tsv --where 'b<100' --columns x --bare"); /* nan is neither below nor above */
     CU_ASSERT_STRING_EQUAL(out, "1\n2\n-3\n");
     write_text("plain.tsv", "1\t2\n3\t4\n"); /* columns without names have numbers */
-    GOOD("stats select plain.tsv --columns 2");
-    CU_ASSERT_PTR_NOT_NULL(strstr(out, "\n2\n2\n4\n"));
+    PRINTS("\n2\n2\n4\n", "stats select plain.tsv --columns 2");
     write_text("plain.tsv", "1\t2\t5\n3\t4\t6\n");
-    GOOD("stats select plain.tsv --columns 3,1");
-    CU_ASSERT_PTR_NOT_NULL(strstr(out, "\n3\t1\n5\t1\n6\t3\n"));
+    PRINTS("\n3\t1\n5\t1\n6\t3\n", "stats select plain.tsv --columns 3,1");
     FAILS(65, "no column \"frob\"", "stats select a.tsv --where frob=1");
     FAILS(65, "no column \"B\" (did you mean \"b\"?); found: ", "stats select a.tsv --where B=1");
     FAILS(65, "NAME=VALUE expected", "stats select a.tsv --where frob");
@@ -1174,62 +947,17 @@ static void test_stats_select(void)
     write_text("claims.tsv", CLAIMS claims);                                                                 \
     REPORTS("claims --claims claims.tsv --tables .")
 
-/* The text of a column in the row of a claim. */
-static void check_verdict(const char *id, const char *column, const char *expected)
-{
-    char path[256];
-    scoped_table t = {0};
-    path_of("out", path);
-    CHECK_OK(rp_table_read(path, &t));
-    const char *found = "no such claim";
-    for (size_t row = 0; row < t.n_rows; row++)
-        if (strcmp(t.cells[row * t.n_columns], id) == 0)
-            found = t.cells[row * t.n_columns + (size_t)rp_table_column(&t, column)];
-    if (strcmp(found, expected) != 0) fprintf(stderr, "claim %s: %s, expected %s\n", id, found, expected);
-    CU_ASSERT_STRING_EQUAL(found, expected);
-}
-
-/* A claim as of MEMBER, and what a column says of it. */
-typedef struct {
-    const char *id, *family, *test, *margin, *answer, *against, *column, *expected;
-} claim_case;
-
-/* These claims, after others. */
-static void write_claims(const char *others, size_t n, const claim_case cases[])
-{
-    char text[8192];
-    size_t used = (size_t)snprintf(text, sizeof text, CLAIMS "%s", others);
-    for (const claim_case *c = cases; c < cases + n && used < sizeof text; c++)
-        used += (size_t)snprintf(text + used, sizeof text - used, MEMBER("%s", "%s", "%s", "%s", "%s", "%s"),
-                                 c->id, c->test, c->margin, c->family, c->answer, c->against, c->id);
-    CU_ASSERT_FATAL(used < sizeof text);
-    write_text("claims.tsv", "%s", text);
-}
-
-static void check_claims(size_t n, const claim_case cases[])
-{
-    for (size_t k = 0; k < n; k++) check_verdict(cases[k].id, cases[k].column, cases[k].expected);
-}
-
 /* Verdicts follow from the tables: the same claims, and tables that say other things. 101 values make two
  * standard errors the 95 % interval to 1 %. */
 static void test_claims(void)
 {
-    static const claim_case cases[] = {
-        /* the interval of its own column */
-        {"far", "-", "independent", "1", "far limit", "-", "ours", "0.50 ± 0.20 (90 %: 0.30 to 0.70)"},
-        {"level", "-", "independent", "1", "trend k=1 change", "-", "ours",
-         "0.10 ± 0.20 (90 %: -0.20 to 0.40)"},
-        {"up", "-", "rises", "1", "trend k=2 change", "-", "verdict", "reproduced"},
-        {"high", "-", "above", "-", "u v", "t v", "ours", "30.00 ± 0.50 against 20.50 ± 0.10"},
-        {"count", "-", "most", "-", "t #count", "7", "verdict", "reproduced"},
-        {"elsewhere", "-", "above", "-", "none v", "0", "verdict", "no data"},
-        {"form", "-", "formula", "-", "angle: theta_MS", "-", "detail", "by tests"},
-        /* 1 by an error of 1, twice: chi^2 and what a common shift leaves of it */
-        {"both", "-", "joint", "-", "angle twin", "-", "verdict", "not reproduced"},
-        {"rest", "-", "above", "-", "u v less t v", "9", "ours", "9.50 ± 0.51 against 9"}};
-    write_claims(CLAIM("angle", "20\t1") VARIANT("twin", "angle", "-\t-", "u v"), N_OF(cases), cases);
-    write_text("t.tsv", "# count: 7 of 8\n# v_mean\tv_se\tn\n20.5\t0.1\t101\n");
+    write_text("claims.tsv", CLAIMS CLAIM("angle", "20\t1") VARIANT("twin", "angle", "-\t-", "u v")
+                                 PLAIN("far", "independent", "1", "far limit", "-")
+                                     PLAIN("level", "independent", "1", "trend k=1 change", "-")
+                                         PLAIN("up", "rises", "1", "trend k=2 change", "-")
+                                             PLAIN("high", "above", "-", "u v", "t v")
+                                                 PLAIN("rest", "above", "-", "u v less t v", "9"));
+    write_text("t.tsv", "# v_mean\tv_se\tn\n20.5\t0.1\t101\n");
     write_text("u.tsv", "# v\tv_se\n30\t0.5\n");
     write_text("trend.tsv", "# k\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
                             "1\t0.1\t0.2\t-0.2\t0.4\t0.6\t0.9\n2\t3\t1\t1.4\t4.6\t0.003\t0.04\n");
@@ -1238,34 +966,32 @@ static void test_claims(void)
                "0.5\t0.2\t0.3\t0.7\t-9\t9\t9\t0.01\n");
     REPORTS("claims --claims claims.tsv --tables nowhere,. --variants");
     CU_ASSERT(strstr(out, "# lh: 0 reproduced, 0 not reproduced, 1 open\n"
-                          "# li: 6 reproduced, 1 not reproduced, 1 open\n") != NULL);
-    check_verdict("angle", "detail", "+0.5 se");
-    check_verdict("twin", "verdict", "not reproduced");
-    check_verdict("twin", "published", "20 ± 1");
-    check_claims(N_OF(cases), cases);
-    check_verdict("level", "verdict", "reproduced");
-    write_text("t.tsv", "# count: 8 of 8\n# v_mean\tv_se\tn\n30\t0.1\t101\n");
+                          "# li: 4 reproduced, 0 not reproduced, 1 open\n") != NULL);
+    CHECK_CELLS({"angle", "detail", "+0.5 se"}, {"twin", "verdict", "not reproduced"},
+                {"twin", "published", "20 ± 1"},
+                /* the interval of its own column */
+                {"far", "ours", "0.50 ± 0.20 (90 %: 0.30 to 0.70)"},
+                {"level", "ours", "0.10 ± 0.20 (90 %: -0.20 to 0.40)"}, {"up", "verdict", "reproduced"},
+                {"high", "ours", "30.00 ± 0.50 against 20.50 ± 0.10"},
+                {"rest", "ours", "9.50 ± 0.51 against 9"}, {"level", "verdict", "reproduced"});
+    write_text("t.tsv", "# v_mean\tv_se\tn\n30\t0.1\t101\n");
     write_text("trend.tsv", "# k\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
                             "1\t3\t1\t1.4\t4.6\t0.003\t0.04\n2\t0.1\t0.2\t-0.2\t0.4\t0.6\t0.9\n");
     REPORTS("claims --claims claims.tsv --tables . --paper li");
-    check_verdict("angle", "verdict", "no such claim");
-    check_verdict("level", "verdict", "not reproduced");
-    check_verdict("up", "verdict", "not reproduced");
-    check_verdict("high", "verdict", "open");
-    check_verdict("count", "verdict", "not reproduced");
+    CHECK_CELLS({"angle", "verdict", "no such row"}, {"level", "verdict", "not reproduced"},
+                {"up", "verdict", "not reproduced"}, {"high", "verdict", "open"});
     /* two values: two standard errors are 12.7, of a mean; of a fit they are 2 */
-    write_text("t.tsv", "# count: 7 of 8\n# v_mean\tv_se\tn\n20\t1\t2\n");
+    write_text("t.tsv", "# v_mean\tv_se\tn\n20\t1\t2\n");
     write_text("u.tsv", "# v\tv_se\tn\n30\t1\t2\n");
     REPORTS("claims --claims claims.tsv --tables .");
-    check_verdict("high", "verdict", "open");
-    write_text("t.tsv", "# count: 7 of 8\n# v\tv_se\tn\n20\t1\t2\n");
+    CHECK_CELLS({"high", "verdict", "open"});
+    write_text("t.tsv", "# v\tv_se\tn\n20\t1\t2\n");
     REPORTS("claims --claims claims.tsv --tables .");
-    check_verdict("high", "verdict", "reproduced");
-    write_text("t.tsv", "# count: 8 of 8\n# v_mean\tv_se\tn\n30\t0.1\t101\n");
+    CHECK_CELLS({"high", "verdict", "reproduced"});
+    write_text("t.tsv", "# v_mean\tv_se\tn\n30\t0.1\t101\n");
     REPORTS("claims --claims claims.tsv --tables . --id angle");
-    check_verdict("angle", "verdict", "not reproduced");
-    check_verdict("twin", "verdict", "not reproduced");
-    check_verdict("level", "verdict", "no such claim");
+    CHECK_CELLS({"angle", "verdict", "not reproduced"}, {"twin", "verdict", "not reproduced"},
+                {"level", "verdict", "no such row"});
 }
 
 /* Three claims of one question, by themselves and as a family. Chances 0.03, 0.03 and 0.0027 are raised to
@@ -1282,28 +1008,28 @@ static void test_families(void)
                         "3\t3\t1\t4\t1\tinf\t-9\t17\t0.5\t0.5\n4\t3\t1\t0\t0.5\tinf\t-0.8\t0.8\t0.9\t0.9\n"
                         "5\t3\t1\t0\t1\tinf\t-0.8\t0.8\t0.9\t0.9\n");
     JUDGE(ROWS("-"));
-    check_verdict("first", "verdict", "reproduced");
-    check_verdict("second", "verdict", "reproduced");
-    check_verdict("third", "verdict", "reproduced");
+    CHECK_CELLS({"first", "verdict", "reproduced"}, {"second", "verdict", "reproduced"},
+                {"third", "verdict", "reproduced"});
     JUDGE(ROWS("question"));
-    check_verdict("first", "detail", "reproduced without the correction for 3 tests of one question");
-    check_verdict("second", "verdict", "open");
-    check_verdict("third", "verdict", "reproduced");
-    check_verdict("other", "verdict", "reproduced");
+    CHECK_CELLS({"first", "detail", "reproduced without the correction for 3 tests of one question"},
+                {"second", "verdict", "open"}, {"third", "verdict", "reproduced"},
+                {"other", "verdict", "reproduced"});
     /* a table that is not there is no test */
     JUDGE(MEMBER("first", "q", "rises", "9", "t k=1 change", "-")
               MEMBER("gone", "q", "rises", "9", "nowhere k=1 change", "-"));
-    check_verdict("first", "verdict", "reproduced");
-    check_verdict("gone", "verdict", "no data");
+    CHECK_CELLS({"first", "verdict", "reproduced"}, {"gone", "verdict", "no data"});
     /* no change: margins of one error for the two claims, whose chances are 0.0228 (2 errors) */
     JUDGE(MEMBER("near", "q", "independent", "1", "t k=4 change", "-")
               MEMBER("far", "q", "independent", "3", "t k=5 change", "-"));
-    check_verdict("near", "verdict", "reproduced");
-    check_verdict("far", "verdict", "reproduced");
+    CHECK_CELLS({"near", "verdict", "reproduced"}, {"far", "verdict", "reproduced"});
     JUDGE(MEMBER("near", "q", "independent", "1", "t k=4 change", "-")
               MEMBER("far", "q", "independent", "2", "t k=5 change", "-")
                   MEMBER("same", "q", "independent", "2", "t k=5 change", "-"));
-    check_verdict("near", "detail", "reproduced without the correction for 3 tests of one question");
+    CHECK_CELLS({"near", "detail", "reproduced without the correction for 3 tests of one question"});
+    /* claims without the column are no families */
+    SHELL("cut -f 1-11,13- claims.tsv >plain.tsv");
+    REPORTS("claims --claims plain.tsv --tables .");
+    CHECK_CELLS({"near", "verdict", "reproduced"});
     /* agreements, each reading by itself: 2.4 errors have a chance of 1.6 %, of five tests 8.2 %. The
      * other reading of 20 samples makes one error 4.5. */
     write_text("u.tsv", "# k\tv\tv_se\n1\t22.4\t0\n2\t20\t0\n3\t21\t0\n");
@@ -1316,26 +1042,18 @@ static void test_families(void)
 #define NUMBER(id, family, k, plus)                                                                          \
     id "\t-\tlh\t-\tall\tagrees\t20\t" plus "\t2\t" family "\tbefore\tu k=" k " v\t-\t-\t" id "\t-\n"
     JUDGE(FIVE("-"));
-    check_verdict("hot", "detail", "+2.4 se");
+    CHECK_CELLS({"hot", "detail", "+2.4 se"});
     JUDGE(FIVE("q"));
-    check_verdict("hot", "detail", "not reproduced without the correction for 5 tests of one question");
-    check_verdict("read", "detail", "not reproduced without the correction for 5 tests of one question");
-    check_verdict("a", "detail", "+0.0 se");
-    check_verdict("hotter", "detail", "+2.4 se");
+    CHECK_CELLS({"hot", "detail", "not reproduced without the correction for 5 tests of one question"},
+                {"read", "detail", "not reproduced without the correction for 5 tests of one question"},
+                {"a", "detail", "+0.0 se"}, {"hotter", "detail", "+2.4 se"});
     /* equalities beside an inequality: 2.1 errors have 3.6 %, raised by one another */
     JUDGE(MEMBER("equal", "q", "same", "9", "t k=3 v", "0.9") MEMBER(
         "twin", "q", "same", "9", "t k=3 v", "0.9") MEMBER("more", "q", "above", "9", "t k=3 v", "0"));
-    check_verdict("equal", "detail", "not reproduced without the correction for 3 tests of one question");
-    check_verdict("more", "verdict", "reproduced");
+    CHECK_CELLS({"equal", "detail", "not reproduced without the correction for 3 tests of one question"},
+                {"more", "verdict", "reproduced"});
     JUDGE(MEMBER("equal", "-", "same", "9", "t k=3 v", "0.9"));
-    check_verdict("equal", "verdict", "not reproduced");
-    JUDGE(MEMBER("near", "q", "independent", "1", "t k=4 change", "-")
-              MEMBER("far", "q", "independent", "2", "t k=5 change", "-")
-                  MEMBER("same", "q", "independent", "2", "t k=5 change", "-"));
-    /* claims without the column are no families */
-    SHELL("cut -f 1-11,13- claims.tsv >plain.tsv");
-    REPORTS("claims --claims plain.tsv --tables .");
-    check_verdict("near", "verdict", "reproduced");
+    CHECK_CELLS({"equal", "verdict", "not reproduced"});
 }
 
 /* Means of piles that stand in several tables are one mean. By hand: 12 values of mean 21; squares within the
@@ -1347,17 +1065,13 @@ static void test_pooled(void)
     JUDGE(PLAIN("pooled", "above", "-", "a k=2 v + b v", "0")
               PLAIN("short", "above", "-", "a k=2 v + none v", "0")
                   PLAIN("scatter", "above", "-", "a k=2 v_sd + b v_sd", "0"));
-    check_verdict("scatter", "ours", "3.42 ± 0.73");
-    check_verdict("pooled", "ours", "21.00 ± 0.99");
-    check_verdict("pooled", "n", "12");
-    check_verdict("short", "verdict", "no data");
-    write_text("b.tsv", "# v_mean\tv_se\tn\n22.5\t1.06066\t8\n");
+    CHECK_CELLS({"scatter", "ours", "3.42 ± 0.73"}, {"pooled", "ours", "21.00 ± 0.99"}, {"pooled", "n", "12"},
+                {"short", "verdict", "no data"});
     const stats_summary parts[] = {{.n = 4, .mean = 18.0, .sd = 2.0}, {.n = 8, .mean = 22.5, .sd = 3.0}};
     const stats_summary all = stats_pooled(2, parts), one = stats_pooled(1, parts);
     CU_ASSERT(all.n == 12 && one.n == 4);
-    CHECK_NEAR(all.mean, 21.0, 1e-14);
-    CHECK_NEAR(all.sd, sqrt((12.0 + 63.0 + 36.0 + 18.0) / 11.0), 1e-14);
-    CHECK_NEAR(one.sd, 2.0, 1e-14);
+    CHECK_ALL_NEAR(1e-14, {all.mean, 21.0}, {all.sd, sqrt((12.0 + 63.0 + 36.0 + 18.0) / 11.0)},
+                   {one.sd, 2.0});
     CHECK_NEAR(one.hi - one.mean, 3.182446305284263, 1e-9); /* Student's t of 3 degrees of freedom, se 1 */
 }
 
@@ -1368,10 +1082,6 @@ static void test_bad_claims(void)
     write_text("bad.tsv", CLAIMS text);                                                                      \
     REPORT_FAILS(65, message, "claims --claims bad.tsv --tables .")
     BAD(PLAIN("a", "guess", "-", "t v", "-"), "bad.tsv:2: claim a: unknown test \"guess\"");
-    BAD(PLAIN("a", "above", "-", "t v", "-"), "claim a: test above needs `against`");
-    BAD(PLAIN("a", "agrees", "-", "t v", "-"), "claim a: test agrees needs a published number");
-    BAD(PLAIN("a", "independent", "-", "t v", "-"), "claim a: test independent needs a margin");
-    BAD(PLAIN("a", "above", "-", "-", "0"), "claim a: test above needs an answer");
     BAD(CLAIM("a", "1\t1") CLAIM("a", "1\t1"), "bad.tsv:3: claim a stands twice");
     BAD(CLAIM("a", "1\t1") VARIANT("b", "a", "1\t1", "t v"), "a number is published once");
     BAD(VARIANT("b", "a", "-\t-", "t v"), "no claim \"a\"");
@@ -1413,7 +1123,6 @@ static void test_report(void)
     write_text("in.md", text);                                                                               \
     REPORT_FAILS(65, message, "page in.md --tables . --claims claims.tsv")
     BAD_PLACE("{{cell many k=7 v %%.17g}}", "in.md:1: \"%.17g\": a format such as");
-    BAD_PLACE("{{cell many k=7 v %%.3d}}", "a format such as");
     BAD_PLACE("{{cell many k=7 v_Se}}", "many.tsv: no column \"v_Se\" (did you mean \"v_se\"?)");
     BAD_PLACE("{{value many k=7:8 v}}", "2 rows");
     BAD_PLACE("{{cell many k=7 v=smallest v}}", "0 rows");
@@ -1428,9 +1137,8 @@ static void test_report(void)
 /* A script of the page of the report on files of the test's folder. */
 static int awk(const char *script, const char *arguments)
 {
-    char path[4096], name[64];
-    snprintf(name, sizeof name, "report/page/%s", script);
-    CU_ASSERT_PTR_NOT_NULL_FATAL(realpath(name, path));
+    char path[PATH_MAX];
+    CU_ASSERT_PTR_NOT_NULL_FATAL(realpath(check_text("report/page/%s", script), path));
     return shell_line("awk -f %s %s >out 2>err", path, arguments);
 }
 
@@ -1474,41 +1182,30 @@ static void test_page_circles(void)
 
 /* ---- run ---- */
 
-/* Free fall under a slanting gravity, for which Verlet is exact. */
+/* Frames at multiples of their interval and at the end; the suite `tables` has all columns. */
 static void test_free_fall(void)
 {
-    static const double gx = 12.5, gy = -981.0, x = 0.385, y = 52.85, vx = 23.85, vy = 17.5;
     static const int steps[] = {0, 300, 600, 900, 1000};
     write_text("scene.cfg",
-               "gravity = ( %.17g, %.17g ); dt = 1.0; steps = 1000;\n"
-               "particles = ( { x = %.17g; y = %.17g; r = 0.1; m = 0.5; vx = %.17g; vy = %.17g; } );\n",
-               gx, gy, x, y, vx, vy);
-    GOOD("run scene.cfg --set dt=5e-5 --every 300");
-    CU_ASSERT(strstr(out, "\nstep\tt\tid\tx\ty\tangle\tvx\tvy\tomega\tfx\tfy\tr\tm\tcontacts\tfixed\n") !=
-              NULL);
+               "gravity = ( 12.5, -981.0 ); dt = 1.0; steps = 1000;\n"
+               "particles = ( { x = 0.385; y = 52.85; r = 0.1; m = 0.5; vx = 23.85; vy = 17.5; } );\n");
+    PRINTS("\nstep\tt\tid\tx\ty\tangle\tvx\tvy\tomega\tfx\tfy\tr\tm\tcontacts\tfixed\n",
+           "run scene.cfg --set dt=5e-5 --every 300");
     scoped_table t = read_table("out");
     CU_ASSERT(t.n_rows == 5);
-    for (size_t i = 0; i < t.n_rows && i < 5; i++) {
-        double time = steps[i] * 5e-5;
-        CHECK_NEAR(cell(&t, i, "step"), steps[i], 0.0);
-        CHECK_EACH(cell(&t, i, NAME), FALL_TOLERANCE, {"t", time},
-                   {"x", x + vx * time + 0.5 * gx * time * time},
-                   {"y", y + vy * time + 0.5 * gy * time * time}, {"vx", vx + gx * time},
-                   {"vy", vy + gy * time}, {"fy", 0.5 * gy});
-    }
+    for (size_t i = 0; i < t.n_rows && i < 5; i++)
+        CHECK_EACH(cell(&t, i, NAME), 1e-15, {"step", steps[i]}, {"t", steps[i] * 5e-5});
     /* without --every, the final state alone: the same row */
     GOOD("run scene.cfg --set dt=5e-5");
     const char *last = strstr(out, "\n1000\t");
     CU_ASSERT(last && !strstr(out, "\n0\t"));
-    GOOD("run scene.cfg --set dt=5e-5 --set steps=0");
-    CU_ASSERT(strstr(out, "\n0\t0\t1\t") != NULL);
+    PRINTS("\n0\t0\t1\t", "run scene.cfg --set dt=5e-5 --set steps=0");
 }
 
-/* A grain at rest on the floor: (2a) balances its weight. */
+/* A grain at rest on the floor, in three frames; the suite `tables` has all columns. */
 static void test_output_folder(void)
 {
-    const double m = 0.5, weight = m * 981.0, overlap = pow(weight / 2e6, 2.0 / 3.0);
-    const double relative = 1e-11; /* the overlap, 4e-3, is the difference of numbers rounded to 2^-56 */
+    const double m = 0.5, overlap = pow(m * 981.0 / 2e6, 2.0 / 3.0);
     write_text("scene.cfg",
                "dt = 2.0e-5; steps = 100; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
                "particles = ( { x = 0.385; y = %.17g; r = 0.1; m = %.17g; } );\n",
@@ -1522,22 +1219,13 @@ static void test_output_folder(void)
     GOOD("run scene.cfg -o 'two\nlines'"); /* which are one in the header */
     read_again(&t, "two\nlines/states.tsv");
     CU_ASSERT(t.n_rows == 1);
-    read_again(&t, "new/d/contacts.tsv");
-    CU_ASSERT(t.n_rows == 3);
-    for (size_t i = 0; i < t.n_rows; i++) {
-        CHECK_EACH(cell(&t, i, NAME), 0.0, {"step", 50.0 * (double)i}, {"id_a", 1.0}, {"wall", 1.0});
-        CHECK_NEAR(cell(&t, i, "normal_force"), weight, relative * weight);
+    static const char *const names[] = {"contacts", "walls", "energy"};
+    for (size_t k = 0; k < 3; k++) {
+        read_again(&t, check_text("new/d/%s.tsv", names[k]));
+        CU_ASSERT_FATAL(t.n_rows == 3);
+        for (size_t i = 0; i < 3; i++) CHECK_NEAR(cell(&t, i, "step"), 50.0 * (double)i, 0.0);
     }
-    read_again(&t, "new/d/walls.tsv");
-    CU_ASSERT(t.n_rows == 3);
-    CHECK_NEAR(cell(&t, 2, "fy"), -weight, relative * weight);
-    read_again(&t, "new/d/energy.tsv");
-    CU_ASSERT(t.n_rows == 3);
-    for (size_t i = 0; i < t.n_rows; i++) {
-        CHECK_NEAR(cell(&t, i, "step"), 50.0 * (double)i, 0.0);
-        CHECK_EACH(cell(&t, i, NAME), relative * weight, {"elastic", 0.4 * weight * overlap},
-                   {"gravity", weight * (0.1 - overlap)}, {"start", weight * (0.1 - 0.6 * overlap)});
-    }
+    CU_ASSERT(rp_table_column(&t, "start") >= 0);
     GOOD("run scene.cfg -o new/d --force");
     read_again(&t, "new/d/energy.tsv");
     CU_ASSERT(rp_table_column(&t, "start") < 0 && rp_table_column(&t, "rotational") >= 0);
@@ -1594,10 +1282,8 @@ static void write_sweep(void)
 
 static void test_sweep(void)
 {
-    char digest[64];
     write_sweep();
-    GOOD("sweep plan s.cfg -o d1");
-    CU_ASSERT(strstr(out, "d1: 4 runs (2 grid points x 2 replicas), 0 already stored") != NULL);
+    PRINTS("d1: 4 runs (2 grid points x 2 replicas), 0 already stored", "sweep plan s.cfg -o d1");
     GOOD("sweep plan s.cfg -o d1 --json");
     CU_ASSERT(strstr(out, "\"folder\": \"d1\"") &&
               strstr(out, "{\"runs\": 4, \"points\": 2, \"replicas\": 2, \"stored\": 0}"));
@@ -1610,32 +1296,16 @@ static void test_sweep(void)
     SHELL("grep -q '\"runs\": 4' out && grep -q \"$(\"$REPOSE\" sweep digest d1 | cut -f 1)\" out");
     GOOD("sweep digest d1");
     CU_ASSERT(strspn(out, "0123456789abcdef") == 32 && strcmp(out + 32, "\t4\n") == 0);
-    snprintf(digest, sizeof digest, "%.*s", 40, out);
+    const char *digest = check_text("%.40s", out);
     GOOD("sweep plan s.cfg -o d2");
     GOOD("sweep run d2 -j 2");
-    GOOD("sweep digest d2");
-    CU_ASSERT_STRING_EQUAL(out, digest);
-    GOOD("sweep status d2");
-    CU_ASSERT(strstr(out, "# planned: 4\n# stored: 4\n# missing: 0\n") != NULL);
+    PRINTS_ALL(digest, "sweep digest d2");
+    PRINTS("# planned: 4\n# stored: 4\n# missing: 0\n", "sweep status d2");
     scoped_table t = read_table("out");
     CU_ASSERT(t.n_rows == 1);
     CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "ok_fixed_time");
     CHECK_NEAR(cell(&t, 0, "runs"), 4.0, 0.0);
-    GOOD("sweep plan s.cfg -o d2");
-    CU_ASSERT(strstr(out, "4 already stored") != NULL);
-
-    GOOD("sweep export d1 -o runs.tsv");
-    scoped_table runs = read_table("runs.tsv");
-    CU_ASSERT(runs.n_rows == 4);
-    AGAIN_OF(t, "sweep export d1 --reduce");
-    CU_ASSERT(t.n_rows == 2);
-    for (size_t i = 0; i < 2; i++) {
-        double a = cell(&runs, 2 * i, "theta_r2_deg"), b = cell(&runs, 2 * i + 1, "theta_r2_deg");
-        CHECK_NEAR(cell(&runs, 2 * i + 1, "mu"), i == 0 ? 0.2 : 0.3, 0.0);
-        CHECK_EACH(cell(&t, i, NAME), FORM_TOLERANCE, {"theta_r2_deg_mean", 0.5 * (a + b)},
-                   {"theta_r2_deg_se", 0.5 * fabs(a - b)});
-        CHECK_EACH(cell(&t, i, NAME), 0.0, {"n", 2.0}, {"n_failed", 0.0});
-    }
+    PRINTS("4 already stored", "sweep plan s.cfg -o d2");
 }
 
 /* Runs, points, derived tables and traces by one command; then models. */
@@ -1663,8 +1333,7 @@ static void test_make(void)
     SHELL("test -s t/row_0/energy.tsv && test -s t/row_1/energy.tsv");
     /* lineage, handed on to what is derived from a derived table */
     GOOD("sweep digest d");
-    char source[64];
-    snprintf(source, sizeof source, "s %.32s 4", out);
+    const char *source = check_text("s %.32s 4", out);
     CU_ASSERT_STRING_EQUAL(rp_table_find_note(&reduced, "source"), source);
     CU_ASSERT_STRING_EQUAL(rp_table_find_note(&line, "source"), source);
     CU_ASSERT_STRING_EQUAL(rp_table_find_note(&line, "derived by"), "fit x=mu y=theta_r3_deg_mean");
@@ -1715,10 +1384,9 @@ static void test_derivations(void)
     CU_ASSERT(run("sweep make s.cfg -o d --tables t -j 1") == 0);
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         run("%s t/runs.tsv", cases[k].command);
-        const bool same =
-            shell_line("grep -v '^#' out >a && test -s a && grep -v '^#' t/t%zu.tsv | cmp - a", k) == 0;
-        if (!same) fprintf(stderr, "%s\n", cases[k].command);
-        CU_ASSERT(same);
+        CHECK_OR_SAY(shell_line("grep -v '^#' out >a && test -s a && grep -v '^#' t/t%zu.tsv | cmp - a", k) ==
+                         0,
+                     "%s", cases[k].command);
     }
     /* every derivation of the lists; the suite `tables` tests those of measured angles and of traces */
     const cli_command *const *const groups[] = {cmd_stats.group, cmd_stress.group, cmd_angle.group};
@@ -1736,30 +1404,24 @@ static void test_derivations(void)
 /* What a setting cannot say is refused before any run, with its line. */
 static void test_settings(void)
 {
+#define DERIVE(with, rest) "derive = ( { table = \"a\"; with = \"" with "\"; " rest "} );"
     static const char *const cases[][2] = {
-        {"derive = ( { table = \"a\"; with = \"fits\"; } );", "with = \"fits\": allowed: fit trend size"},
+        {DERIVE("fits", ""), "with = \"fits\": allowed: fit trend size"},
         {"derive = ( { with = \"fit\"; } );", "table: missing"},
         {"derive = ( { table = \"a/b\"; with = \"compare\"; } );", "table: a/b: the name of a file"},
         {"derive = ( { table = \"runs\"; with = \"compare\"; } );", "table: runs: stands twice"},
-        {"derive = ( { table = \"a\"; with = \"compare\"; }, { table = \"a\"; with = \"compare\"; } );",
-         "table: a: stands twice"},
-        {"derive = ( { table = \"a\"; with = \"fit\"; frm = 1.0; } );",
-         "frm: unknown key (did you mean \"from\"?)"},
-        {"derive = ( { table = \"a\"; with = \"compare\"; phi_deg = -1.0; } );",
-         "phi_deg = -1: out of range"},
-        {"derive = ( { table = \"a\"; with = \"compare\"; o = \"x\"; } );", "o: unknown key"},
-        {"derive = ( { table = \"a\"; with = \"compare\"; rows = \"b\"; } );",
-         "rows = \"b\": runs, points or an"},
-        {"derive = ( { table = \"a\"; with = \"compare\"; where = [1]; } );", "where: conditions expected"},
-        {"derive = ( { table = \"a\"; with = \"fit\"; x = \"alpha_deg\"; } );", "y: missing"},
-        {"derive = ( { table = \"a\"; with = \"fit\"; x = \"alpha_deg\"; y = \"DD\"; } );",
-         "a: y: runs: no column"},
-        {"derive = ( { table = \"a\"; with = \"fit\"; rows = \"points\"; x = \"alpha_deg\"; y = \"D\"; } );",
-         "a: y: points: no column"},
-        {"derive = ( { table = \"a\"; with = \"compare\"; of = [\"x/y\"]; } );", "of: names of sweeps"},
-        {"derive = ( { table = \"a\"; with = \"field\"; width = 4.0; } );", "a stress field: stage missing"},
-        {"derive = ( { table = \"a\"; with = \"compare\"; stage = \"b\"; } );",
-         "a angle compare: stage is for piles"},
+        {DERIVE("compare", "}, { table = \"a\"; with = \"compare\"; "), "table: a: stands twice"},
+        {DERIVE("fit", "frm = 1.0; "), "frm: unknown key (did you mean \"from\"?)"},
+        {DERIVE("compare", "phi_deg = -1.0; "), "phi_deg = -1: out of range"},
+        {DERIVE("compare", "o = \"x\"; "), "o: unknown key"},
+        {DERIVE("compare", "rows = \"b\"; "), "rows = \"b\": runs, points or an"},
+        {DERIVE("compare", "where = [1]; "), "where: conditions expected"},
+        {DERIVE("fit", "x = \"alpha_deg\"; "), "y: missing"},
+        {DERIVE("fit", "x = \"alpha_deg\"; y = \"DD\"; "), "a: y: runs: no column"},
+        {DERIVE("fit", "rows = \"points\"; x = \"alpha_deg\"; y = \"D\"; "), "a: y: points: no column"},
+        {DERIVE("compare", "of = [\"x/y\"]; "), "of: names of sweeps"},
+        {DERIVE("field", "width = 4.0; "), "a stress field: stage missing"},
+        {DERIVE("compare", "stage = \"b\"; "), "a angle compare: stage is for piles"},
         {"derive = { };", "derive: a list ("},
         {"trace = ( { every = 3; } );", "rows: missing"},
         {"trace = ( { rows = [0]; quiet = true; } );", "quiet: unknown key"},
@@ -1792,8 +1454,7 @@ static void test_shared_piles(void)
                         "fixed = { " SHORT_RUN " };\ngrid = { floor = [\"extends\", \"absorbs\"]; };\n");
     GOOD("sweep plan s.cfg -o d");
     GOOD("sweep run d");
-    GOOD("sweep export d -o runs.tsv");
-    scoped_table t = read_table("runs.tsv");
+    scoped_table t = TABLE_OF("sweep export d");
     CU_ASSERT(t.n_rows == 4);
     for (size_t k = 0; k < 2; k++) {
         CU_ASSERT(cell(&t, k, "pile") == (double)k && cell(&t, k + 2, "pile") == (double)k);
@@ -1806,8 +1467,8 @@ static void test_shared_piles(void)
     GOOD("run s.cfg --row 3 -o box");
     CU_ASSERT(equal_tables("first/filled_grains.tsv", "box/filled_grains.tsv"));
     CU_ASSERT(!equal_tables("other/filled_grains.tsv", "box/filled_grains.tsv"));
-    scoped_table again = read_table("out"), runs = read_table("runs.tsv");
-    CU_ASSERT_STRING_EQUAL(word(&again, 0, "residual_energy"), word(&runs, 3, "residual_energy"));
+    scoped_table again = read_table("out");
+    CU_ASSERT_STRING_EQUAL(word(&again, 0, "residual_energy"), word(&t, 3, "residual_energy"));
 }
 
 /* One row of a sweep again: the stored numbers, and tables of its states. */
@@ -1817,8 +1478,7 @@ static void test_row_again(void)
     scoped_table again = TABLE_OF("run s.cfg --row 1 -o box --every 1000 --ledger");
     GOOD("sweep plan s.cfg -o d");
     GOOD("sweep run d -j 2");
-    GOOD("sweep export d -o runs.tsv");
-    scoped_table runs = read_table("runs.tsv");
+    scoped_table runs = TABLE_OF("sweep export d");
     for (const sweep_output *o = protocol_of(&sweep_protocol_repose)->outputs; o->name; o++)
         CU_ASSERT_STRING_EQUAL(word(&again, 0, o->name), word(&runs, 1, o->name));
     GOOD("run s.cfg --row 1 -o again");
@@ -1831,13 +1491,14 @@ static void test_row_again(void)
         CU_ASSERT_STRING_EQUAL(word(&measures, row, "value"),
                                word(&again, 0, word(&measures, row, "measure")));
     scoped_table energy = read_table("box/energy.tsv");
-    CU_ASSERT(energy.n_rows >= 4 && cell(&energy, 3, "step") == 4000.0);
+    CU_ASSERT_FATAL(energy.n_rows == 4);
+    for (size_t i = 0; i < 4; i++) /* at multiples, though a phase ends between two of them */
+        CHECK_NEAR(cell(&energy, i, "step"), 1000.0 * (double)(i + 1), 0.0);
     CU_ASSERT(cell(&energy, 3, "normal_damping") > 0.0);
     CHECK_NEAR(cell(&energy, 3, "residual"), 0.0, 1e-10 * cell(&energy, 3, "turnover"));
 }
 
-/* An endless run and a large one end at their limits: the others are made, and no digest or table hides it.
- */
+/* An endless run and a large one end at their limits: the others are made, no digest or table hides it. */
 static void test_limits(void)
 {
     write_text("s.cfg", "protocol = \"repose\"; replicas = 1; seed = 1993;\n"
@@ -1857,9 +1518,8 @@ static void test_limits(void)
             NULL);
     }
     scoped_table points = read_table("out");
-    for (size_t k = 0; k < 2; k++) {
+    for (size_t k = 0; k < 2; k++)
         CHECK_EACH(cell(&points, k, NAME), 0.0, {"n", k == 0}, {"n_failed", k == 1});
-    }
     CU_ASSERT(run("sweep make s.cfg -o d --tables t --time 0.5") == 1 && strstr(err, "(time_limit 1)"));
     CU_ASSERT_STRING_EQUAL(out, "s: 2 runs: 1 ok_fixed_time, 1 time_limit\n");
     SHELL("! ls t | grep -q .");
@@ -1885,8 +1545,7 @@ static void test_stopped(void)
                        "\"$REPOSE\" sweep status d >during; kill -TERM $p; wait $p");
     CU_ASSERT(failed(__FILE__, __LINE__, status, 75, "1 of 2 stored"));
     SHELL("grep -q '^# running: 1$' during");
-    GOOD("sweep status d");
-    CU_ASSERT(strstr(out, "# running: 0\n") != NULL);
+    PRINTS("# running: 0\n", "sweep status d");
     CU_ASSERT(strstr(out, "# stored: 1\n# missing: 1\n") != NULL);
     FAILS(1, "missing", "sweep digest d");
 }
@@ -1942,12 +1601,9 @@ static void test_run_intervals(void)
  * the largest kinetic and elastic energy, from the table of energies. */
 static void check_growth(int every)
 {
-    char expected[64];
     double first = 0.0, last = 0.0, most = 0.0;
     CU_ASSERT(run("run s.cfg --set steps=%d --every %d -o d%d", 64 * every, every, every) == 0);
-    char name[32];
-    snprintf(name, sizeof name, "d%d/energy.tsv", every);
-    scoped_table t = read_table(name);
+    scoped_table t = read_table(check_text("d%d/energy.tsv", every));
     CU_ASSERT_EQUAL(t.n_rows, 65);
     for (size_t i = 1; i < t.n_rows; i++) {
         const double moving = cell(&t, i, "kinetic") + cell(&t, i, "elastic");
@@ -1955,8 +1611,8 @@ static void check_growth(int every)
         if (i <= 16) first += (moving + cell(&t, i, "gravity")) / 16.0;
         if (i > 48) last += (moving + cell(&t, i, "gravity")) / 16.0;
     }
-    snprintf(expected, sizeof expected, "energy grew by %.2g %% of", 100.0 * (last - first) / most);
-    CU_ASSERT(last > first && strstr(err, expected) != NULL);
+    CU_ASSERT(last > first &&
+              strstr(err, check_text("energy grew by %.2g %% of", 100.0 * (last - first) / most)));
 }
 
 /* At 0.98 of the largest step allowed, 60 grains without damping heat up; at a fifth of it, or with damping,
@@ -2014,31 +1670,25 @@ static void test_run_stopped(void)
     SHELL("cat d/*.tsv r/* >before");
     static const char *const signals[] = {"TERM", "INT", "HUP"};
     for (int k = 0; k < 3; k++) {
-        char line[512];
-        snprintf(
-            line, sizeof line,
+        SHELL_FAILS(
+            75, "of 2000000000; the tables so far are in d/unfinished",
             "\"$REPOSE\" run s.cfg --set steps=2000000000 --every 100000 -o d --force >out 2>err & p=$!\n"
             "sleep 0.5; kill -%s $p; wait $p",
             signals[k]);
-        CU_ASSERT(failed(__FILE__, __LINE__, shell(line), 75,
-                         "of 2000000000; the tables so far are in d/unfinished"));
         scoped_table t = read_table("d/unfinished/states.tsv");
         CU_ASSERT(t.n_rows >= 1 && cell(&t, 0, "step") == 0.0);
         SHELL("tail -n 1 d/unfinished/states.tsv | grep -q '^# unfinished: stopped at step'");
-        snprintf(
-            line, sizeof line,
-            "\"$REPOSE\" run r.cfg --row 20 --force -o r >out 2>err & p=$!; sleep 0.5; kill -%s $p; wait $p",
-            signals[k]);
-        CU_ASSERT(
-            failed(__FILE__, __LINE__, shell(line), 75, "stopped; the tables so far are in r/unfinished"));
+        SHELL_FAILS(75, "stopped; the tables so far are in r/unfinished",
+                    "\"$REPOSE\" run r.cfg --row 20 --force -o r >out 2>err & p=$!; sleep 0.5; kill -%s $p; "
+                    "wait $p",
+                    signals[k]);
     }
     SHELL("! ls d | grep -q tmp; cat d/*.tsv r/*.* | cmp - before");
     /* without tables to write meanwhile as well: few steps pass between two looks at the signal */
     write_text("many.cfg", "steps = 2000000000; fill = { N = 90; W = 2.0; H = 4.0; };\n"
                            "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n");
-    CU_ASSERT(failed(__FILE__, __LINE__,
-                     shell("\"$REPOSE\" run many.cfg >out 2>err & p=$!; sleep 0.5; kill $p; wait $p"), 75,
-                     "stopped at step"));
+    SHELL_FAILS(75, "stopped at step",
+                "\"$REPOSE\" run many.cfg >out 2>err & p=$!; sleep 0.5; kill $p; wait $p");
     /* neither a run that can be resumed nor that of another process is thrown away */
     SHELL("touch d/unfinished/snapshot");
     FAILS(65, "an unfinished run; continue with --resume d", "run s.cfg -o d --force");
@@ -2059,8 +1709,7 @@ static void test_folders(void)
     write_text("s.cfg",
                "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; fill_steps = 10; stop = \"steps\"; "
                "relax_steps = 10; };\n");
-    GOOD("run a.cfg --every 10 -o a");
-    CU_ASSERT_STRING_EQUAL(out, "");
+    PRINTS_ALL("", "run a.cfg --every 10 -o a");
     SHELL("cp s.cfg t.cfg");
     GOOD("run s.cfg -o r");
     GOOD("sweep plan s.cfg -o s");
@@ -2103,13 +1752,13 @@ static void test_folders(void)
     GOOD("view a -o a.svg");
 }
 
-CHECK_SUITE_WITHIN(cli, "command line", enter, leave, test_hardened, test_help, test_params, test_wrong_usage,
+CHECK_SUITE_WITHIN(cli, "command line", enter, leave, test_hardened, test_help, test_wrong_usage,
                    test_bad_values, test_slurm, test_slurm_names, test_random_folders, test_killed_plans,
-                   test_bench, test_bad_scenes, test_bad_sweeps, test_sweep_or_scene, test_help_width,
-                   test_broken_output, test_static_models, test_angles, test_group_order, test_angle_tables,
-                   test_stress_tables, test_claims, test_families, test_pooled, test_bad_claims, test_report,
-                   test_page_frames, test_page_circles, test_stress_dip, test_cut_drops, test_stats_trends,
-                   test_stats_select, test_free_fall, test_output_folder, test_broken_run, test_sweep,
-                   test_make, test_derivations, test_settings, test_shared_piles, test_row_again,
-                   test_run_stopped, test_folders, test_energy_growth, test_run_intervals, test_run_help,
-                   test_run_scene, test_undamped_sweep, test_limits, test_stopped)
+                   test_bench, test_bad_scenes, test_bad_sweeps, test_sweep_or_scene, test_broken_output,
+                   test_static_models, test_angles, test_group_order, test_angle_tables, test_stress_tables,
+                   test_claims, test_families, test_pooled, test_bad_claims, test_report, test_page_frames,
+                   test_page_circles, test_stress_dip, test_cut_drops, test_stats_trends, test_stats_select,
+                   test_free_fall, test_output_folder, test_broken_run, test_sweep, test_make,
+                   test_derivations, test_settings, test_shared_piles, test_row_again, test_run_stopped,
+                   test_folders, test_energy_growth, test_run_intervals, test_run_help, test_run_scene,
+                   test_undamped_sweep, test_limits, test_stopped)

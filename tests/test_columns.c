@@ -1,14 +1,12 @@
 /* Tables of commands and protocols whose numbers follow from other tables: every column is computed a second
  * time, in another way, from grains and contacts, from planted rows, or from a shorter run. */
 #include <complex.h>
-#include <gsl/gsl_poly.h>
 #include <malloc.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "core/clock.h"
-#include "core/random.h"
 #include "dem/scene/scene.h"
 #include "stats/stats.h"
 #include "stress/stress.h"
@@ -23,11 +21,6 @@
 static const double deg = M_PI / 180.0;
 /* sums of some hundred rounded products */
 static const double tight = 1e-11;
-
-static double square(double x)
-{
-    return x * x;
-}
 
 /* ---- a pile: its grains and contacts as tables ---- */
 
@@ -73,8 +66,7 @@ static double share(const checked *c, size_t k, double size, double column, doub
     return part;
 }
 
-/* Over all planes: the largest pressure and the largest angle between traction and normal; pi/2 if one pulls.
- */
+/* Over all planes: the largest pressure and angle between traction and normal; pi/2 if one pulls. */
 static void scan_planes(const double s[4], double *pressure, double *mobilised)
 {
     enum { PLANES = 20000 };
@@ -101,11 +93,9 @@ typedef struct {
 
 static response read_tilt(int k, double width)
 {
-    char name[64];
     response r = {.t = tan(tilts_deg[k] * deg)};
     double weight = 0.0, mean_weight = 4.0 / 3.0 * M_PI * 1e-3 * 981.0;
-    snprintf(name, sizeof name, "d/read_%d_grains.tsv", k + 1);
-    scoped_table grains = read_table(name);
+    scoped_table grains = read_table(check_text("d/read_%d_grains.tsv", k + 1));
     for (size_t i = 0; i < grains.n_rows; i++) {
         const double x = cell(&grains, i, "x"), fx = cell(&grains, i, "fx"), fy = cell(&grains, i, "fy");
         weight += 981.0 * cell(&grains, i, "m");
@@ -115,8 +105,7 @@ static response read_tilt(int k, double width)
             r.balance_error = fmax(r.balance_error, hypot(fx, fy) / mean_weight);
     }
     r.weight_error /= weight;
-    snprintf(name, sizeof name, "d/read_%d_contacts.tsv", k + 1);
-    checked c = checked_read(name);
+    checked c = checked_read(check_text("d/read_%d_contacts.tsv", k + 1));
     const double normal = weight * cos(tilts_deg[k] * deg);
     for (size_t i = 0; i < c.t.n_rows; i++) {
         const force f = force_of(&c, i);
@@ -135,14 +124,9 @@ static response read_tilt(int k, double width)
 /* Line through the first four tilts: value at 0 and slope. */
 static void line_through(const response r[], int quantity, double line[2])
 {
-    double t = 0.0, v = 0.0, tt = 0.0, tv = 0.0;
-    for (int k = 0; k < 4; k++) t += r[k].t / 4.0, v += r[k].q[quantity] / 4.0;
-    for (int k = 0; k < 4; k++) {
-        tt += square(r[k].t - t);
-        tv += (r[k].t - t) * (r[k].q[quantity] - v);
-    }
-    line[1] = tv / tt;
-    line[0] = v - line[1] * t;
+    double X[8], v[4], covariance[4];
+    for (int k = 0; k < 4; k++) X[2 * k] = 1.0, X[2 * k + 1] = r[k].t, v[k] = r[k].q[quantity];
+    numbers_fit(4, 2, X, NULL, v, line, covariance);
 }
 
 static void check_response(checked *o, double mu, double width)
@@ -150,17 +134,13 @@ static void check_response(checked *o, double mu, double width)
     static const char *const names[QUANTITIES] = {"n", "h", "sxx", "sxy", "syx", "syy"};
     response r[TILTS];
     double line[QUANTITIES][2], most, mobilised, balance_error = 0.0;
-    char column[16];
     for (int k = 0; k < TILTS; k++) {
         r[k] = read_tilt(k, width);
         balance_error = fmax(balance_error, r[k].balance_error);
     }
     for (int i = 0; i < QUANTITIES; i++) {
         line_through(r, i, line[i]);
-        for (int a = 0; a < 2; a++) {
-            snprintf(column, sizeof column, "%s_%d", names[i], a);
-            CHECK_NEAR(at(o, 0, column), line[i][a], 1e-9);
-        }
+        for (int a = 0; a < 2; a++) CHECK_NEAR(at(o, 0, check_text("%s_%d", names[i], a)), line[i][a], 1e-9);
     }
     const double *s = &r[0].q[2], last = r[4].t;
     scan_planes(s, &most, &mobilised);
@@ -182,8 +162,7 @@ static void check_response(checked *o, double mu, double width)
 static double slope_of(const char *grains, double width)
 {
     scoped_table t = TABLE_OF("angle slope %s --width %g --cell 0.2", grains, width);
-    const double theta = cell(&t, 2, "theta_deg");
-    return theta;
+    return cell(&t, 2, "theta_deg");
 }
 
 /* A cell of the field: force times branch of the two piles, by the segments of the branches. */
@@ -240,7 +219,7 @@ static void check_column(checked *base, size_t row, checked contacts[2], checked
         }
     }
     const double N = 0.5 * (n[0] + n[1]), H = 0.5 * (h[0] + h[1]), large = fabs(N) + fabs(weight) + 1.0,
-                 t2 = square(tan(slope * deg) / tan(55.0 * deg));
+                 t2 = pow(tan(slope * deg) / tan(55.0 * deg), 2.0);
     CHECK_NEAR(at(base, row, "x/W"), ((double)row + 0.5) * size / width, 1e-14);
     CHECK_EACH(at(base, row, NAME), tight * large, {"N", N}, {"H", H}, {"N_se", 0.5 * fabs(n[0] - n[1])},
                {"H_se", 0.5 * fabs(h[0] - h[1])}, {"weight", weight});
@@ -251,7 +230,7 @@ static void check_column(checked *base, size_t row, checked contacts[2], checked
     else
         CU_ASSERT(isnan(ratio));
     CHECK_NEAR(at(base, row, "N_theory"), weight / (1.0 - t2), tight * large);
-    CHECK_NEAR(at(base, row, "H_theory"), weight / (1.0 - t2) * tan(slope * deg) / square(tan(55.0 * deg)),
+    CHECK_NEAR(at(base, row, "H_theory"), weight / (1.0 - t2) * tan(slope * deg) / pow(tan(55.0 * deg), 2.0),
                tight * large);
 }
 
@@ -272,8 +251,7 @@ static void test_stress(void)
     for (size_t i = 0; i < grains[0].t.n_rows; i++)
         inside += at(&grains[0], i, "x") > 0.0 && at(&grains[0], i, "x") < width;
     CHECK_NEAR(at(&o, 0, "grains"), inside, 0.0);
-    /* to the last tilt at rest and one look, then again from the pile on until it moves, 1e-3 degree a step
-     */
+    /* to the last tilt at rest and one look, then from the pile on until it moves, 1e-3 degree a step */
     scoped_table last = read_table("d/read_5_grains.tsv");
     CHECK_NEAR(at(&o, 0, "steps"),
                cell(&last, 0, "step") + 500.0 + 1e3 * at(&o, 0, "theta_t_displacement_deg"), 1e-6);
@@ -298,21 +276,15 @@ static void test_stress(void)
 /* The tilt at which a pile moves is that of protocol repose for the same pile. */
 static void test_stress_steps(void)
 {
-    static const char *const changes[][2] = {{"W", "2.0"}, {"H", "1.0"}, {"mu", "0.4"}};
     const sweep_protocol *const protocols[] = {&sweep_protocol_stress, &sweep_protocol_repose};
-    sweep_result r[2];
+    sweep_result r;
     double found[2][2];
     for (int k = 0; k < 2; k++) {
         static const char *const names[] = {"theta_r3_deg", "theta_t_displacement_deg"};
         const sweep_protocol *p = protocol_of(protocols[k]);
-        scoped void *params = protocol_params(p, (const char *const[]){NULL});
-        for (size_t i = 0; i < 3; i++)
-            CHECK_OK(rp_params_set_text(rp_params_find(p->schema, changes[i][0]), params, changes[i][1]));
-        if (k == 1) CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "theta_t"), params, "true"));
-        CHECK_OK(p->run(params, 1993, 2, NULL, &r[k]));
-        for (size_t i = 0; p->outputs[i].name; i++)
-            for (size_t j = 0; j < 2; j++)
-                if (strcmp(p->outputs[i].name, names[j]) == 0) found[k][j] = r[k].values[i];
+        scoped void *params = PROTOCOL_PARAMS(p, "W=2.0 H=1.0 mu=0.4", k == 1 ? "theta_t=true" : "");
+        CHECK_OK(p->run(params, 1993, 2, NULL, &r));
+        for (size_t j = 0; j < 2; j++) found[k][j] = protocol_output(p, &r, names[j]);
     }
     CU_ASSERT(found[0][0] == found[1][0] && found[0][1] == found[1][1] && found[0][1] > 1.0);
 }
@@ -340,21 +312,13 @@ static void write_dips(double n[DIP_PILES][STRESS_DIP_BINS], double excess[DIP_P
 }
 
 /* Of each distance the mean of both sides, its error, and the rays. */
-static void check_profile(double n[DIP_PILES][STRESS_DIP_BINS])
+static void check_profile(const stress_dips *d)
 {
     scoped_checked c = CHECKED_RUN(STRESS_DIP_BINS / 2, "stress dip piles.tsv --profile");
     for (size_t row = 0; row < c.t.n_rows; row++) {
-        double both[DIP_PILES], mean = 0.0, squares = 0.0;
-        for (int i = 0; i < DIP_PILES; i++) {
-            both[i] = 0.5 * (n[i][9 - row] + n[i][10 + row]);
-            mean += both[i] / DIP_PILES;
-        }
-        for (int i = 0; i < DIP_PILES; i++) squares += square(both[i] - mean);
-        const double se = sqrt(squares / (DIP_PILES * (DIP_PILES - 1.0))), left = 9.0 - (double)row,
-                     right = 10.0 + (double)row;
-        CHECK_EACH(at(&c, row, NAME), 1e-14, {"distance", 0.025 + 0.05 * (double)row}, {"N", mean},
-                   {"N_se", se});
-        CHECK_NEAR(at(&c, row, "rays"), 1.2 + 0.005 * (left * left + right * right), 1e-13);
+        const double left = 9.0 - (double)row, right = 10.0 + (double)row;
+        CHECK_EACH(at(&c, row, NAME), 1e-13, {"distance", 0.025 + 0.05 * (double)row}, {"N", d->N[row]},
+                   {"N_se", d->N_se[row]}, {"rays", 1.2 + 0.005 * (left * left + right * right)});
     }
 }
 
@@ -363,8 +327,7 @@ static void check_dip(double n[DIP_PILES][STRESS_DIP_BINS], const double excess[
 {
     stress_dips d;
     CHECK_OK(stress_dip_ensemble(DIP_PILES, n[0], excess, 0.05, &d));
-    GOOD("stress dip piles.tsv");
-    scoped_checked c = checked_read("out");
+    scoped_checked c = CHECKED_RUN(1, "stress dip piles.tsv");
     const checked_value columns[] = {
         {"n", DIP_PILES},           CHECKED_MEAN(d, middle),    {"middle_sd", d.middle.sd},
         {"middle_lo", d.middle.lo}, {"middle_hi", d.middle.hi}, CHECKED_FIELD(d, p_value),
@@ -375,6 +338,7 @@ static void check_dip(double n[DIP_PILES][STRESS_DIP_BINS], const double excess[
     CHECKED_WORD(&c, 0, "verdict", stress_dip_word(&d, 0.05));
     CHECK_NEAR(at(&c, 0, "n_failed"), 0.0, 0.0);
     CHECKED_WORD(&c, 0, "failed_for", "-");
+    check_profile(&d);
 }
 
 static void test_dip(void)
@@ -382,7 +346,6 @@ static void test_dip(void)
     double n[DIP_PILES][STRESS_DIP_BINS], excess[DIP_PILES];
     write_dips(n, excess);
     check_dip(n, excess);
-    check_profile(n);
     /* without rays */
     shell("cut -f 1-3,5,7,9,11,13,15,17,19,21,23,25,27,29,31,33,35,37,39,41 piles.tsv >plain.tsv");
     scoped_table t = TABLE_OF("stress dip plain.tsv --profile");
@@ -398,28 +361,28 @@ static double heap(void)
     return (double)(now.uordblks + now.hblkhd);
 }
 
+/* A box whose walls are twice as stiff as its grains. */
+static void bench_walls(dem_definition *def, double width)
+{
+    dem_material wall = def->material;
+    wall.k_n *= 2.0;
+    dem_box_walls(def, width, &wall);
+}
+
 /* Numbers of the simulation by another one of the same three grains; times by what they are of each other. */
 static void test_bench(void)
 {
-    const dem_grain grains[] = {
+    dem_grain grains[] = {
         {.x = 0.1, .y = 0.1, .r = 0.1}, {.x = 0.3, .y = 0.1, .r = 0.1}, {.x = 0.2, .y = 0.274, .r = 0.1}};
-    dem_grain heavy[3];
     enum { STEPS = 300000 };
     write_text("start.tsv", "# y\tx\tr\n0.1\t0.1\t0.1\n0.1\t0.3\t0.1\n0.274\t0.2\t0.1\n");
     scoped_checked c = CHECKED_RUN(1, "bench --start start.tsv --steps %d --repeat 2 --width 0.41", STEPS);
-    dem_definition def = dem_definition_default();
-    dem_material wall = def.material;
-    wall.k_n *= 2.0;
-    dem_box_walls(&def, 0.41, &wall);
-    memcpy(heavy, grains, sizeof heavy);
-    for (int i = 0; i < 3; i++) heavy[i].m = 4.0 / 3.0 * M_PI * 1e-3;
-    def.grains = heavy;
-    def.n_grains = 3;
-    scoped_sim *sim = NULL;
+    for (int i = 0; i < 3; i++) grains[i].m = 4.0 / 3.0 * M_PI * 1e-3;
+    dem_definition def = grains_of(3, grains);
+    bench_walls(&def, 0.41);
     dem_counts before, after;
     const double heap_before = heap();
-    CHECK_OK(dem_create(&def, &sim));
-    CHECK_OK(dem_run(sim, 2000));
+    scoped_sim *sim = grains_after(&def, 2000);
     const double held = heap() - heap_before;
     dem_count_work(sim, &before);
     CHECK_OK(dem_run(sim, STEPS));
@@ -458,21 +421,16 @@ static dem_sim *bench_sim(const bench_box *b, int n, double width, const rp_tabl
 {
     scoped dem_grain *grains = calloc((size_t)n, sizeof *grains);
     const dem_fill fill = {n, width, 2.0 * width, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 1993, 0};
-    dem_definition def = dem_definition_default();
+    dem_definition def = grains_of((size_t)n, grains);
     def.rotation = b->rotation;
     def.material.mu_roll = b->mu_roll;
-    dem_material wall = def.material;
-    wall.k_n *= 2.0;
-    dem_box_walls(&def, width, &wall);
+    bench_walls(&def, width);
     for (int i = 0; i < n && b->size_ratio > 0.0; i++) grains[i].r = cell(radii, (size_t)i, "r");
     CHECK_OK(b->size_ratio > 0.0 ? dem_fill_place(&fill, grains)
                                  : dem_fill_grains(&fill, grains, &(size_t){0}));
     def.x_max = b->sample ? 3.0 * width : width;
-    def.grains = grains;
-    def.n_grains = (size_t)n;
     def.dt = fmin(5e-5, dem_time_step_limit(&def, NULL));
-    dem_sim *sim = NULL;
-    CHECK_OK(dem_create(&def, &sim));
+    dem_sim *sim = grains_start(&def);
     if (b->sample) return sim;
     const double settling = 30000.0 * sqrt(width / 4.0) + 10000.0;
     if (b->size_ratio > 0.0) {
@@ -509,8 +467,7 @@ static void test_bench_fill(void)
         for (size_t i = 0; i < N; i++) {
             CHECK_EACH(cell(&start, i, NAME), 0.0, {"x", states[i].x}, {"angle", states[i].angle},
                        {"r", states[i].r});
-            /* 1/r is uniform between its ends, here at the middles of N equal parts; 1/0.1^2 is their product
-             */
+            /* 1/r is uniform between its ends, at the middles of N equal parts; 1/0.1^2 is their product */
             const double least = 10.0 / sqrt(list[k].size_ratio), most = 10.0 * sqrt(list[k].size_ratio),
                          share = ((double)i + 0.5) / N;
             if (list[k].size_ratio > 0.0)
@@ -584,8 +541,7 @@ static double slope_of_grains(const rp_table *grains, double width)
         fprintf(shifted, "%.17g\t%.17g\n", cell(grains, i, "x") - left, cell(grains, i, "y") - bottom);
     fclose(shifted);
     scoped_table t = TABLE_OF("angle slope shifted.tsv --width %.17g --cell %.17g", width - left, d);
-    const double theta = cell(&t, 2, "theta_deg");
-    return theta;
+    return cell(&t, 2, "theta_deg");
 }
 
 /* A sample: 30000 steps closed, 50000 open, the grains at the end, and their slope. Of few grains in a narrow
@@ -608,9 +564,8 @@ static void test_bench_sample(void)
         dem_count_work(sim, &counts);
         const size_t left = dem_count(sim);
         CU_ASSERT_EQUAL_FATAL(end.n_rows, left);
-        for (size_t i = 0; i < left; i++) {
+        for (size_t i = 0; i < left; i++)
             CHECK_EACH(cell(&end, i, NAME), 0.0, {"x", states[i].x}, {"y", states[i].y});
-        }
         CHECK_EACH(cell(&t, 0, NAME), 1e-14, {"contacts", (double)counts.contacts / (double)left},
                    {"pairs", (double)counts.pairs / (double)left});
         CHECK_NEAR(cell(&t, 0, "rebuilds"), (double)counts.rebuilds, 0.0);
@@ -618,20 +573,6 @@ static void test_bench_sample(void)
         if (k == 0) CHECK_NEAR(theta, slope_of_grains(&end, widths[k]), 1e-9); /* the table has 17 digits */
         CU_ASSERT(k == 0 ? theta > 5.0 : isnan(theta) && left < (size_t)numbers[k]);
     }
-}
-
-/* ---- energies of a box ---- */
-
-/* Rows come at multiples of their interval, whatever the phases, which end between two of them. */
-static void test_energy_rows(void)
-{
-    write_text("b.cfg",
-               "protocol = \"repose\"; replicas = 1;\n"
-               "fixed = { W = 2.0; N = 30; fill_steps = 700; relax_steps = 500; stop = \"steps\"; };\n");
-    GOOD("run b.cfg --row 0 --every 300 -o b --quiet");
-    scoped_table t = read_table("b/energy.tsv");
-    CU_ASSERT_EQUAL(t.n_rows, 4);
-    for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "step"), 300.0 * (double)(i + 1), 0.0);
 }
 
 /* ---- outputs of protocol drop ---- */
@@ -680,25 +621,26 @@ static double mean_order(const rp_table *grains, const bool away[], bool packed[
     return sum / n;
 }
 
+/* Row of the disk that the contact's column `id` names; n_rows: a wall. */
+static size_t disk_of(const rp_table *grains, const rp_table *contacts, size_t k, const char *id)
+{
+    size_t i = 0;
+    while (i < grains->n_rows && cell(grains, i, "id") != cell(contacts, k, id)) i++;
+    return i;
+}
+
 /* Contacts between disks that are the strongest of one of the two: the share within 10 degrees of 60, of all
  * and of those between close-packed disks. Contacts with disks that rolled away are none. */
 static void check_strongest(checked *o, const rp_table *grains, const rp_table *contacts, const bool away[],
                             const bool packed[])
 {
     double all[2] = {0.0}, steep[2] = {0.0}, disks = 0.0, close = 0.0, strongest[DROPPED] = {0.0};
-    scoped size_t *ends = calloc(2 * contacts->n_rows, sizeof *ends);
     for (size_t i = 0; i < DROPPED; i++) disks += !away[i], close += packed[i];
-    for (size_t e = 0; e < 2 * contacts->n_rows; e++) { /* indices of the disks; DROPPED: no such pair */
-        const char *const id[2] = {"id_a", "id_b"};
-        ends[e] = DROPPED;
-        for (size_t i = 0; i < DROPPED; i++)
-            if (cell(grains, i, "id") == cell(contacts, e / 2, id[e % 2]) && !away[i]) ends[e] = i;
-    }
     for (int counts = 0; counts < 2; counts++)
         for (size_t k = 0; k < contacts->n_rows; k++) {
-            const size_t a = ends[2 * k], b = ends[2 * k + 1];
+            const size_t a = disk_of(grains, contacts, k, "id_a"), b = disk_of(grains, contacts, k, "id_b");
             const double N = cell(contacts, k, "normal_force");
-            if (a == DROPPED || b == DROPPED) continue;
+            if (a == DROPPED || b == DROPPED || away[a] || away[b]) continue;
             if (!counts) {
                 strongest[a] = fmax(strongest[a], N), strongest[b] = fmax(strongest[b], N);
                 continue;
@@ -751,11 +693,8 @@ static void check_rays(checked *o, const rp_table *grains, const bool away[])
     }
     for (int b = 0; b < 20; b++) sum += rays[b];
     for (int b = 0; b < 20; b++) {
-        char name[24];
-        snprintf(name, sizeof name, "rays_%02d", b + 1);
-        CHECK_NEAR(at(o, 0, name), 20.0 * rays[b] / sum, 1e-9);
-        snprintf(name, sizeof name, "n_%02d", b + 1);
-        const double distance = fabs(b - 9.5), n = at(o, 0, name);
+        CHECK_NEAR(at(o, 0, check_text("rays_%02d", b + 1)), 20.0 * rays[b] / sum, 1e-9);
+        const double distance = fabs(b - 9.5), n = at(o, 0, check_text("n_%02d", b + 1));
         if (distance < 2.0) inner += (n - 20.0 * rays[b] / sum) / 4.0;
         beside += distance < 2.0 ? n / 4.0 : distance < 4.0 ? -n / 4.0 : 0.0;
     }
@@ -767,14 +706,6 @@ static void check_rays(checked *o, const rp_table *grains, const bool away[])
 static bool is_glued(const rp_table *grains, size_t i)
 {
     return cell(grains, i, "y") == 0.0;
-}
-
-/* Row of the disk that the contact's column `id` names; n_rows: a wall. */
-static size_t disk_of(const rp_table *grains, const rp_table *contacts, size_t k, const char *id)
-{
-    size_t i = 0;
-    while (i < grains->n_rows && cell(grains, i, "id") != cell(contacts, k, id)) i++;
-    return i;
 }
 
 /* Does a disk of the pile touch the base there? Which, and the base's force on it, by the angle of the line
@@ -861,10 +792,8 @@ static void check_base(checked *o, const rp_table *grains, const rp_table *conta
             left[b] += N[k] * fmin(fmax(0.5 + 0.5 * (line - x[k]) / r[k], 0.0), 1.0);
     }
     for (int b = 0; b < 20; b++) {
-        char name[16];
-        snprintf(name, sizeof name, "n_%02d", b + 1);
         pressure[b] = 20.0 * (left[b + 1] - left[b]) / (left[20] - left[0]);
-        CHECK_NEAR(at(o, 0, name), pressure[b], 1e-11);
+        CHECK_NEAR(at(o, 0, check_text("n_%02d", b + 1)), pressure[b], 1e-11);
         const double distance = fabs(b - 9.5);
         dip += distance < 2.0 ? pressure[b] / 4.0 : distance < 6.0 ? -pressure[b] / 8.0 : 0.0;
     }
@@ -937,8 +866,7 @@ static void test_lattice(void)
     CHECK_NEAR(sqrt(square / unequal), 1e-3, 4e-4);
 }
 
-/* A pile from which some disks roll away: everything from its grains, its contacts and what each drop moved.
- */
+/* A pile from which some disks roll away: all from its grains, its contacts and what each drop moved. */
 static void test_drop(void)
 {
     const double limit = 10.0;
@@ -991,9 +919,7 @@ static void test_drop_of_two(void)
     write_text("s.cfg", "protocol = \"drop\"; replicas = 6; seed = 1; fixed = { N = 2; };\n");
     for (int k = 0; k < 6; k++) {
         run("run s.cfg --row %d -o d%d", k, k);
-        char name[32];
-        snprintf(name, sizeof name, "d%d/series_moved_max.tsv", k);
-        scoped_table t = read_table(name);
+        scoped_table t = read_table(check_text("d%d/series_moved_max.tsv", k));
         CU_ASSERT_FATAL(t.n_rows == 2);
         CHECK_NEAR(cell(&t, 0, "moved_max"), 0.0, 0.0);
         CU_ASSERT(cell(&t, 1, "moved_max") <= 1.0);
@@ -1003,5 +929,5 @@ static void test_drop_of_two(void)
 }
 
 CHECK_SUITE_WITHIN(columns, "columns", enter, leave, test_stress, test_stress_steps, test_dip, test_bench,
-                   test_bench_fill, test_bench_defaults, test_bench_sample, test_energy_rows, test_drop,
-                   test_rough, test_lattice, test_drop_of_two)
+                   test_bench_fill, test_bench_defaults, test_bench_sample, test_drop, test_rough,
+                   test_lattice, test_drop_of_two)

@@ -8,12 +8,12 @@
  *   <!-- test: COMMANDS -->        before a block that takes long, or changes the machine: these run in its
  * place */
 #include <ctype.h>
-#include <glob.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "tests/check.h"
+#include "tests/folder.h"
 #include "tests/program.h"
 
 #define PAGES(X)                                                                                             \
@@ -86,8 +86,7 @@ static char *next_output(char **text)
     return line;
 }
 
-/* Whether the output is as shown; else the first line that is shown and missing, or the first one too many.
- */
+/* Whether the output is as shown; else the first line shown and missing, or the first one too many. */
 static bool output_matches(char *shown, char *output, const char **missing)
 {
     bool gap = false;
@@ -198,45 +197,36 @@ static bool links_exist(const char *page, char *line)
     const int folder = slash ? (int)(slash + 1 - page) : 0;
     bool right = true;
     for (char *to; right && (to = strstr(line, "]("));) {
-        char path[512];
         to += 2, line = to + strcspn(to, ")#");
-        snprintf(path, sizeof path, "%.*s%.*s", folder, page, (int)(line - to), to);
+        const char *path = check_text("%.*s%.*s", folder, page, (int)(line - to), to);
         right = strncmp(to, "http", 4) == 0 || line == to || access(path, R_OK) == 0;
         if (!right) fprintf(stderr, "%s: no file %s\n", page, path);
     }
     return right;
 }
 
-/* No command of a page escapes: each stands in a fenced block, of a page in the list above. */
-static void every_command(void)
+static void check_line(const char *page, int number, char *line)
 {
 #define X(name, path) path,
     static const char *const pages[] = {PAGES(X)};
 #undef X
-    glob_t found;
-    CU_ASSERT_EQUAL_FATAL(glob("docs/*.md", 0, NULL, &found), 0);
-    CU_ASSERT_EQUAL_FATAL(glob("README.md", GLOB_APPEND, NULL, &found), 0);
-    for (size_t i = 0; i < found.gl_pathc; i++) {
-        bool listed = false;
-        for (size_t k = 0; k < sizeof pages / sizeof *pages; k++)
-            listed |= !strcmp(pages[k], found.gl_pathv[i]);
-        FILE *file = fopen(found.gl_pathv[i], "r");
-        scoped char *line = NULL;
-        size_t size = 0;
-        bool fence = false;
-        for (int number = 1; getline(&line, &size, file) > 0; number++) {
-            const char *p = line + strspn(line, " ");
-            fence ^= strncmp(line, "```", 3) == 0;
-            const bool command = !fence && p - line >= 4 &&
-                                 (!strncmp(p, "repose ", 7) || !strncmp(p, "make ", 5) || *p == '$');
-            const bool right = !command && (listed || strncmp(line, "```sh", 5) != 0);
-            if (!right) fprintf(stderr, "%s:%d: no test runs %s", found.gl_pathv[i], number, line);
-            CU_ASSERT(right);
-            CU_ASSERT(links_exist(found.gl_pathv[i], line));
-        }
-        fclose(file);
-    }
-    globfree(&found);
+    static bool fence;
+    bool listed = false;
+    for (size_t k = 0; k < sizeof pages / sizeof *pages; k++) listed |= !strcmp(pages[k], page);
+    const char *p = line + strspn(line, " ");
+    fence = (fence && number > 1) ^ (strncmp(line, "```", 3) == 0);
+    const bool command =
+        !fence && p - line >= 4 && (!strncmp(p, "repose ", 7) || !strncmp(p, "make ", 5) || *p == '$');
+    CHECK_OR_SAY(!command && (listed || strncmp(line, "```sh", 5) != 0), "%s:%d: no test runs %s", page,
+                 number, line);
+    CU_ASSERT(links_exist(page, line));
+}
+
+/* No command of a page escapes: each stands in a fenced block, of a page in the list above. */
+static void every_command(void)
+{
+    file_lines("docs/*.md", check_line);
+    file_lines("README.md", check_line);
 }
 
 static bool same(const char *shown, const char *output)

@@ -12,9 +12,9 @@
 #include "tests/grains.h"
 
 /* Disks of diameter and mass 1 in unit gravity, above a ground: wells, or shear springs. */
-static dem_definition disks(bool spring)
+static dem_definition disks(bool spring, size_t n, const dem_grain *grains)
 {
-    dem_definition def = dem_definition_default();
+    dem_definition def = grains_of(n, grains);
     def.gravity[1] = -1.0;
     def.dt = 0.006;
     def.normal = DEM_LINEAR;
@@ -52,25 +52,19 @@ static dem_sim *moving_pile(bool spring)
 {
     const dem_grain grains[HEAP] = {disk(0.0, 0.5, 0.1),  disk(1.01, 0.5, 0.0), disk(2.02, 0.5, -0.2),
                                     disk(0.52, 1.4, 0.0), disk(1.53, 1.4, 0.3), disk(1.0, 2.4, 0.0)};
-    dem_definition def = disks(spring);
-    def.grains = grains;
-    def.n_grains = HEAP;
-    dem_sim *sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 150));
-    return sim;
+    dem_definition def = disks(spring, HEAP, grains);
+    return grains_after(&def, 150);
 }
 
-/* A new simulation of the same state, with or without its contacts, in ascending or descending order of ids.
- */
+/* A new simulation of the same state, with or without its contacts, in ascending or descending ids. */
 static dem_sim *again(const dem_sim *sim, bool spring, bool with, bool turned)
 {
     dem_state states[HEAP];
-    dem_grain grains[HEAP];
-    dem_definition def = disks(spring);
-    scoped dem_contact *contacts = NULL;
+    dem_grain grains[HEAP] = {{0}};
+    dem_definition def = disks(spring, HEAP, grains);
     size_t n;
+    scoped dem_contact *contacts = grains_contacts(sim, &n);
     CHECK_OK(dem_states(sim, states));
-    CHECK_OK(dem_contacts(sim, &contacts, &n));
     for (size_t i = 0; i < HEAP; i++) {
         const dem_state *s = &states[turned ? HEAP - 1 - i : i];
         grains[i] = (dem_grain){s->x, s->y, s->r, s->m, s->vx, s->vy, s->angle, s->omega, false};
@@ -82,12 +76,9 @@ static dem_sim *again(const dem_sim *sim, bool spring, bool with, bool turned)
         contacts[k].id_b = a;
         contacts[k].rolling_spring = -contacts[k].rolling_spring;
     }
-    def.grains = grains;
-    def.n_grains = HEAP;
     def.contacts = contacts;
     def.n_contacts = with ? n : 0;
-    dem_sim *copy = grains_start(&def);
-    return copy;
+    return grains_start(&def);
 }
 
 /* Largest difference of net force or torque between two simulations of the pile. */
@@ -111,12 +102,10 @@ static void contacts_go_on(void)
 {
     for (int spring = 0; spring < 2; spring++) {
         scoped_sim *sim = moving_pile(spring);
-        const double before = differ(sim, sim, false);
-        CHECK_NEAR(before, 0.0, 0.0);
-        scoped dem_contact *contacts = NULL;
+        CHECK_NEAR(differ(sim, sim, false), 0.0, 0.0);
         size_t n;
         double sheared = 0.0, rolled = 0.0, wells = 0.0;
-        CHECK_OK(dem_contacts(sim, &contacts, &n));
+        scoped dem_contact *contacts = grains_contacts(sim, &n);
         for (size_t k = 0; k < n; k++) {
             sheared = fmax(sheared, fabs(contacts[k].shear_spring));
             rolled = fmax(rolled, fabs(contacts[k].rolling_spring));
@@ -261,11 +250,7 @@ static void piles_stand(void)
         CHECK_NEAR(output(&a, "balance"), 0.0, 1e-6);
         CHECK_NEAR(output(&a, "disks") + output(&a, "away"), 40.0, 0.0);
         double sum = 0.0;
-        for (int i = 1; i <= 20; i++) {
-            char name[16];
-            snprintf(name, sizeof name, "n_%02d", i);
-            sum += output(&a, name);
-        }
+        for (int i = 1; i <= 20; i++) sum += output(&a, check_text("n_%02d", i));
         CHECK_NEAR(sum, 20.0, 1e-9);
         CU_ASSERT(output(&a, "height") > 3.0 && output(&a, "height") < 10.0);
         CU_ASSERT(output(&a, "psi6") > 0.0 && output(&a, "psi6") <= 1.0);
@@ -360,16 +345,15 @@ static void drops_fall_on_the_lattice(void)
 
 static void lattices_that_fit(void)
 {
-    static const struct {
-        const char *settings, *message;
-    } cases[] = {{"N=1", "N: without a lattice at least 2"},
-                 {"lattice=9 radius_width=0.2", "grains of radius 0.8 overlap by more than a tenth"},
-                 {"lattice=9 glued=1.5", "glued: a lattice lies on"},
-                 {"lattice=40 x_limit=20", "lattice: reaches to x_limit"}};
+    static const char *const cases[][2] = {
+        {"N=1", "N: without a lattice at least 2"},
+        {"lattice=9 radius_width=0.2", "grains of radius 0.8 overlap by more than a tenth"},
+        {"lattice=9 glued=1.5", "glued: a lattice lies on"},
+        {"lattice=40 x_limit=20", "lattice: reaches to x_limit"}};
     const sweep_protocol *drop = protocol_of(&sweep_protocol_drop);
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        scoped void *p = PROTOCOL_PARAMS(drop, cases[k].settings);
-        CHECK_FAILS(drop->check(p), RP_BAD_INPUT, cases[k].message);
+        scoped void *p = PROTOCOL_PARAMS(drop, cases[k][0]);
+        CHECK_FAILS(drop->check(p), RP_BAD_INPUT, cases[k][1]);
     }
 }
 
@@ -379,11 +363,8 @@ enum { DROPPED = 60 };
 static dem_sim *drop_first(int kernel)
 {
     const dem_grain first = disk(0.0, 0.6, 0.0);
-    dem_definition def = disks(true);
-    def.kernel = kernel;
-    def.grains = &first;
-    def.n_grains = 1;
-    def.x_max = 4.0;
+    dem_definition def = disks(true, 1, &first);
+    def.kernel = kernel, def.x_max = 4.0;
     return grains_start(&def);
 }
 
@@ -403,9 +384,8 @@ static void dropped(int kernel, dem_state last[DROPPED])
         drop_next(sim, k);
         CHECK_OK(dem_run(sim, 150));
     }
-    CHECK_OK(dem_run(sim, 600));
     memset(last, 0, DROPPED * sizeof *last);
-    CHECK_OK(dem_states(sim, last));
+    grains_run(sim, 600, last);
     dem_counts counts;
     dem_count_work(sim, &counts);
     CU_ASSERT(counts.collisions > 5 * DROPPED);
@@ -429,11 +409,9 @@ static void tiny_numbers_are_zero(void)
 {
     for (int kernel = DEM_REFERENCE; kernel < DEM_KERNELS; kernel++) {
         if (!dem_kernel_runs(kernel)) continue;
-        dem_definition def = disks(true);
         const dem_grain grain = disk(0.0, 0.4995, 1e-300);
+        dem_definition def = disks(true, 1, &grain);
         def.kernel = kernel;
-        def.grains = &grain;
-        def.n_grains = 1;
         scoped_sim *sim = grains_start(&def);
         bool tiny = false;
         for (int look = 0; look < 400; look++) {
@@ -497,10 +475,8 @@ static void lists_are_complete(void)
 /* True if the contacts and springs are equal, in any order. */
 static void check_same_contacts(const dem_sim *one, const dem_sim *two)
 {
-    scoped dem_contact *a = NULL, *b = NULL;
     size_t n, m, same = 0;
-    CHECK_OK(dem_contacts(one, &a, &n));
-    CHECK_OK(dem_contacts(two, &b, &m));
+    scoped dem_contact *a = grains_contacts(one, &n), *b = grains_contacts(two, &m);
     for (size_t k = 0; k < n * m; k++) {
         const dem_contact *p = &a[k / m], *q = &b[k % m];
         const bool turned = p->id_a == q->id_b;

@@ -2,7 +2,6 @@
  * the papers against the settings that report/claims.tsv states. */
 #include <ctype.h>
 #include <glob.h>
-#include <gsl/gsl_cdf.h>
 #include <libconfig.h>
 #include <math.h>
 #include <stdlib.h>
@@ -15,6 +14,7 @@
 #include "sweeps/engine/private.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
+#include "tests/folder.h"
 #include "tests/program.h"
 
 /* ---- from a table to the words of the report ---- */
@@ -99,14 +99,6 @@ static void write_claims(void)
                             "3\t-3\t1\t-4.7\t-1.3\t0.002\t0.01\n4\t-inf\tnan\t-inf\t1.1\tnan\tnan\n");
 }
 
-/* How many values are behind the number; nan where the table does not say. */
-static double values_of_answer(size_t i)
-{
-    return strcmp(answers[i].answer, "means k=1 a") == 0   ? 3.0
-           : strcmp(answers[i].answer, "means k=2 a") == 0 ? 100.0
-                                                           : NAN;
-}
-
 /* In standard errors, or what is excluded. */
 static const char *detail_of(size_t i)
 {
@@ -121,64 +113,24 @@ static const char *detail_of(size_t i)
     return strcmp(answers[i].test, "formula") == 0 ? "by tests" : "-";
 }
 
-/* The same verdicts in the table of claims, in the scores and in the section of the report, and their counts.
- */
+/* What the table of claims says; `test_section` has the words of the report. */
 static void test_verdicts(void)
 {
-    static const char *const words[] = {"reproduced", "not reproduced", "open"};
-    size_t counts[3] = {0};
-    char line[512], path[256], template[8192] = "";
     write_claims();
     REPORTS("claims --claims claims.tsv --tables .");
-    scoped_table t = {0};
-    path_of("out", path);
-    CHECK_OK(rp_table_read(path, &t));
+    scoped_table t = read_texts("out");
     CU_ASSERT_FATAL(t.n_rows == N_ANSWERS);
     for (size_t i = 0; i < N_ANSWERS; i++) {
         const char *verdict = word(&t, i, "verdict"), *ours = word(&t, i, "ours");
-        const bool right =
+        CHECK_OR_SAY(
             strcmp(verdict, answers[i].verdict) == 0 &&
-            (strcmp(ours, answers[i].ours) == 0 || (!*answers[i].ours && strcmp(ours, "-") == 0));
-        if (!right)
-            fprintf(stderr, "claim %zu, %s: %s, \"%s\"; expected %s, \"%s\"\n", i, answers[i].test, verdict,
-                    ours, answers[i].verdict, answers[i].ours);
-        CU_ASSERT(right);
-        const double n = cell(&t, i, "n");
-        CU_ASSERT(n == values_of_answer(i) || (isnan(n) && isnan(values_of_answer(i))));
-        for (size_t k = 0; k < 3; k++) counts[k] += strcmp(answers[i].verdict, words[k]) == 0;
+                (strcmp(ours, answers[i].ours) == 0 || (!*answers[i].ours && strcmp(ours, "-") == 0)),
+            "claim %zu, %s: %s, \"%s\"; expected %s, \"%s\"", i, answers[i].test, verdict, ours,
+            answers[i].verdict, answers[i].ours);
+        const double n = cell(&t, i, "n"); /* behind the number, where the table says it */
+        const bool means = strncmp(answers[i].answer, "means k", 7) == 0 && !strstr(answers[i].answer, "sd");
+        CU_ASSERT(means ? n == (answers[i].answer[8] == '1' ? 3.0 : 100.0) : isnan(n));
         if (detail_of(i)) CU_ASSERT_STRING_EQUAL(word(&t, i, "detail"), detail_of(i));
-        snprintf(template + strlen(template), sizeof template - strlen(template), "{{verdict c%zu}}\n", i);
-    }
-    write_text("in.md", "{{scores all}}\n{{claims lh}}\n{{counts lh}}\n%s", template);
-    REPORTS("page in.md --tables . --claims claims.tsv");
-    for (size_t i = 0; i < N_ANSWERS; i++) {
-        snprintf(line, sizeof line, "\n| statement %zu ", i);
-        const char *score = strstr(out, line);
-        CU_ASSERT_PTR_NOT_NULL_FATAL(score);
-        snprintf(line, sizeof line, "| %s |\n", answers[i].verdict);
-        const char *verdict = strstr(score, line);
-        CU_ASSERT(verdict && verdict < strchr(score + 1, '\n'));
-        snprintf(line, sizeof line, "\n| c%zu | statement %zu", i, i);
-        const char *row = strstr(out, line);
-        CU_ASSERT_PTR_NOT_NULL_FATAL(row);
-        snprintf(line, sizeof line, "| %s", answers[i].verdict);
-        verdict = strstr(row, line);
-        CU_ASSERT(verdict && verdict < strchr(row + 1, '\n'));
-        if (*answers[i].ours) {
-            const char *ours = strstr(row, answers[i].ours);
-            CU_ASSERT(ours && ours < strchr(row + 1, '\n'));
-        }
-    }
-    *line = '\0';
-    for (size_t k = 0; k < 3; k++)
-        snprintf(line + strlen(line), sizeof line - strlen(line), "%s%zu %s", k ? ", " : "", counts[k],
-                 words[k]);
-    const char *rest = strstr(out, line);
-    CU_ASSERT_PTR_NOT_NULL_FATAL(rest);
-    for (size_t i = 0; i < N_ANSWERS; i++) { /* one line each, the verdict */
-        rest = strchr(rest, '\n') + 1;
-        snprintf(line, sizeof line, "%s\n", answers[i].verdict);
-        CU_ASSERT(strncmp(rest, line, strlen(line)) == 0);
     }
 }
 
@@ -321,28 +273,27 @@ static void test_section(void)
 static void test_failed_cells(void)
 {
     shell("mkdir -p s r >out 2>err");
-    static const struct {
-        const char *id, *answer, *against, *failed;
-    } cases[] = {{"row", "s/points k=1 a", "0", "1 of 5 (overlap)"},
-                 {"clean", "s/points k=4 a", "0", "-"},
-                 {"empty", "s/points k=3 a", "0", "5 of 5 (overlap)"},
-                 {"both", "s/points k=1 a", "s/points k=2 a", "3 of 10 (overlap)"},
-                 {"once", "s/points k=2 a", "s/points k=2 a", "2 of 5 (overlap)"},
-                 {"pooled", "s/points k=1 a + r/points k=1 a", "0", "5 of 12 (overlap, no_response 4)"},
-                 {"pushed", "r/points k=1 a", "0",
-                  "4 of 7 (no_response 4): the weakest piles are left out, theta_T is too large"},
-                 {"entry", "s/moved g=2 change", "0", "3 of 8 (overlap 2, no_pile 1)"},
-                 {"entries", "s/moved g=2 change", "s/moved g=3 change", "7 of 12 (overlap 2, no_pile 5)"},
-                 {"none", "s/moved g=1 change", "0", "-"},
-                 {"no cause", "s/moved g=4 change", "0", "1 of 9 (cause not stored)"},
-                 {"columns", "s/new g=2 change", "0",
-                  "3 of 10 (no_pile 3): the flattest piles are left out, theta_R is too large"},
-                 {"two columns", "s/new g=2 change", "s/new g=1 change", "5 of 20 (no_pile 4, overlap 1)"}};
-    char text[4096] = CLAIMS, path[256];
+    static const char *const cases[][4] = {
+        {"row", "s/points k=1 a", "0", "1 of 5 (overlap)"},
+        {"clean", "s/points k=4 a", "0", "-"},
+        {"empty", "s/points k=3 a", "0", "5 of 5 (overlap)"},
+        {"both", "s/points k=1 a", "s/points k=2 a", "3 of 10 (overlap)"},
+        {"once", "s/points k=2 a", "s/points k=2 a", "2 of 5 (overlap)"},
+        {"pooled", "s/points k=1 a + r/points k=1 a", "0", "5 of 12 (overlap, no_response 4)"},
+        {"pushed", "r/points k=1 a", "0",
+         "4 of 7 (no_response 4): the weakest piles are left out, theta_T is too large"},
+        {"entry", "s/moved g=2 change", "0", "3 of 8 (overlap 2, no_pile 1)"},
+        {"entries", "s/moved g=2 change", "s/moved g=3 change", "7 of 12 (overlap 2, no_pile 5)"},
+        {"none", "s/moved g=1 change", "0", "-"},
+        {"no cause", "s/moved g=4 change", "0", "1 of 9 (cause not stored)"},
+        {"columns", "s/new g=2 change", "0",
+         "3 of 10 (no_pile 3): the flattest piles are left out, theta_R is too large"},
+        {"two columns", "s/new g=2 change", "s/new g=1 change", "5 of 20 (no_pile 4, overlap 1)"}};
+    char text[4096] = CLAIMS;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
         snprintf(text + strlen(text), sizeof text - strlen(text),
-                 "%s\t-\tlh\t-\ts\tabove\t-\t-\t-\t-\t%s\t%s\t%s\t-\n", cases[k].id, cases[k].answer,
-                 cases[k].against, cases[k].id);
+                 "%s\t-\tlh\t-\ts\tabove\t-\t-\t-\t-\t%s\t%s\t%s\t-\n", cases[k][0], cases[k][1], cases[k][2],
+                 cases[k][0]);
     write_text("claims.tsv", "%s", text);
     write_text("s/points.tsv",
                SWEEP("s") "14 of 30 (overlap 14)\n# k\tg\tn\tn_failed\ta_mean\ta_sd\ta_se\ta_n\n"
@@ -359,42 +310,36 @@ static void test_failed_cells(void)
                "# source: s D 30\n# units: 1\t1\t1\t1\t1\t1\ng\tn\tchange\tchange_se\tn_failed\tfailed_for\n"
                "1\t8\t3\t1\t2\tno_pile:1,overlap:1\n2\t7\t3\t1\t3\tno_pile:3\n");
     REPORTS("claims --claims claims.tsv --tables .");
-    scoped_table t = {0};
-    path_of("out", path);
-    CHECK_OK(rp_table_read(path, &t));
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        if (strcmp(word(&t, k, "failed"), cases[k].failed))
-            fprintf(stderr, "%s: %s\n", cases[k].id, word(&t, k, "failed"));
-        CU_ASSERT_STRING_EQUAL(word(&t, k, "failed"), cases[k].failed);
-    }
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
+        CHECK_CELLS({cases[k][0], "failed", cases[k][3]});
 }
 
 /* A reference finds its row by numbers as numbers and by words as words. */
 static void test_references(void)
 {
-    static const struct {
-        const char *reference, *value;
-    } cases[] = {{"t k=5", "1"},
-                 {"t k=5x", "2"},
-                 {"t k=50", "3"},
-                 {"t k=word", "4"},
-                 {"t k=5e1", "3"},
-                 {"t k=6:60", "3"},
-                 {"t k=50:60", "3"},
-                 {"t k=6:50", "3"},
-                 {"t k=-.5", "5"},
-                 {"t k=-1:-0.2", "5"},
-                 {"t k=1e-6", "6"},
-                 {"t k=1.0000001e-6", "7"},
-                 {"t k=1000000.0000001", "8"},
-                 {"t k=5 v=1", "1"}};
+    static const char *const cases[][2] = {
+        {"5", "1"},
+        {"5x", "2"},
+        {"50", "3"},
+        {"word", "4"},
+        {"5e1", "3"},
+        {"6:60", "3"},
+        {"50:60", "3"},
+        {"6:50", "3"},
+        {"-.5", "5"},
+        {"-1:-0.2", "5"},
+        {"1e-6", "6"},
+        {"1.0000001e-6", "7"},
+        {"1000000.0000001", "8"},
+        {"5 v=1", "1"},
+    };
     write_text("claims.tsv", CLAIMS);
     write_text("t.tsv",
                "# k\tv\n5.0\t1\n5x\t2\n50\t3\nword\t4\n-0.5\t5\n0.000001\t6\n1.0000001e-6\t7\n1e6\t8\n");
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        write_text("in.md", "{{cell %s v}}\n", cases[i].reference);
+        write_text("in.md", "{{cell t k=%s v}}\n", cases[i][0]);
         REPORTS("page in.md --tables . --claims claims.tsv");
-        CU_ASSERT(strncmp(out, cases[i].value, 1) == 0 && out[1] == '\n');
+        CU_ASSERT(strncmp(out, cases[i][1], 1) == 0 && out[1] == '\n');
     }
     /* the error is that of the mean or of the number, never the scatter */
     static const char filled[] = "20.0 ± 1.0, 30.00 ± 0.20, 40.00 ± 0.30, 7; 7 7.0 7.12 7.12346 7.1 ok\n| 1 "
@@ -436,10 +381,15 @@ static void write_claim(const char *test, const char *published, const char *mar
 }
 
 /* The claims are read, or without what they need refused. */
+static void check_need_in(const char *claims, bool needed, const char *message)
+{
+    const int status = run_report("claims --claims %s --tables .", claims);
+    CU_ASSERT(needed ? failed(__FILE__, __LINE__, status, 65, message) : good(__FILE__, __LINE__, status));
+}
+
 static void check_need(bool needed, const char *message)
 {
-    const int status = run_report(ASK);
-    CU_ASSERT(needed ? failed(__FILE__, __LINE__, status, 65, message) : good(__FILE__, __LINE__, status));
+    check_need_in("claims.tsv", needed, message);
 }
 
 /* Which test needs a published number, something to compare with, a margin. All need an answer. */
@@ -456,21 +406,17 @@ static void test_needs(void)
     write_text("t.tsv", "v\tv_se\n2\t1\n");
     for (size_t k = 0; k < sizeof tests / sizeof *tests; k++) {
         const char *test = tests[k].test;
-        char message[128];
         write_claim(test, "20", "2", "t v", "1", "why");
         REPORTS(ASK);
         write_claim(test, "-", "2", "t v", "1", "why");
-        snprintf(message, sizeof message, "claims.tsv:2: claim x: test %s needs a published number", test);
-        check_need(tests[k].published, message);
+        check_need(tests[k].published,
+                   check_text("claims.tsv:2: claim x: test %s needs a published number", test));
         write_claim(test, "20", "2", "t v", "-", "why");
-        snprintf(message, sizeof message, "test %s needs `against`", test);
-        check_need(tests[k].against, message);
+        check_need(tests[k].against, check_text("test %s needs `against`", test));
         write_claim(test, "20", "-", "t v", "1", "why");
-        snprintf(message, sizeof message, "test %s needs a margin", test);
-        check_need(tests[k].margin, message);
+        check_need(tests[k].margin, check_text("test %s needs a margin", test));
         write_claim(test, "20", "2", "-", "1", "why");
-        snprintf(message, sizeof message, "test %s needs an answer", test);
-        REPORT_FAILS(65, message, ASK);
+        check_need(true, check_text("test %s needs an answer", test));
     }
     /* every column but that of families */
     static const char *const columns[] = {"id",   "of",        "paper",        "place",     "section",
@@ -478,34 +424,14 @@ static void test_needs(void)
                                           NULL,   "answer",    "against",      "statement", "note"};
     write_claim("agrees", "20", "2", "t v", "1", "why");
     for (int k = 0; k < 15; k++) {
-        char line[128], message[64];
-        snprintf(line, sizeof line, "sed 's/^# //' claims.tsv | cut --complement -f %d >less.tsv", k + 1);
-        snprintf(message, sizeof message, "less.tsv: no column \"%s\"", columns[k] ? columns[k] : "");
-        CU_ASSERT_EQUAL(shell(line), 0);
-        const int status = run_report("claims --claims less.tsv --tables .");
-        CU_ASSERT(columns[k] ? failed(__FILE__, __LINE__, status, 65, message)
-                             : good(__FILE__, __LINE__, status));
+        CU_ASSERT(shell_line("sed 's/^# //' claims.tsv | cut --complement -f %d >less.tsv", k + 1) == 0);
+        check_need_in("less.tsv", columns[k],
+                      check_text("less.tsv: no column \"%s\"", columns[k] ? columns[k] : ""));
     }
 }
 
-/* A row of a claim in `out`: what stands in its columns. */
-static void check_claim(const char *id, const char *ours, const char *detail)
-{
-    scoped_table t = {0};
-    char path[256];
-    bool found = false;
-    path_of("out", path);
-    CHECK_OK(rp_table_read(path, &t));
-    for (size_t row = 0; row < t.n_rows; row++) {
-        if (strcmp(word(&t, row, "id"), id) != 0) continue;
-        const bool same =
-            strcmp(word(&t, row, "ours"), ours) == 0 && strcmp(word(&t, row, "detail"), detail) == 0;
-        if (!same) fprintf(stderr, "claim %s: %s; %s\n", id, word(&t, row, "ours"), word(&t, row, "detail"));
-        CU_ASSERT(same);
-        found = true;
-    }
-    CU_ASSERT(found);
-}
+/* What stands in two columns of a claim. */
+#define CHECK_CLAIM(id, ours, detail) CHECK_CELLS({id, "ours", ours}, {id, "detail", detail})
 
 #define ROW(id, test, margin, family, answer, against)                                                       \
     id "\t-\tlh\t-\ts\t" test "\t-\t-\t-\t" margin "\t" family "\t" answer "\t" against "\t" id "\t-\n"
@@ -527,22 +453,22 @@ static void test_family(void)
                 ROW("i", "above", "1", "-", "t k=3 v", "0") ROW("j", "above", "1", "-", "t k=2 v", "0")
                     ROW("k", "below", "1", "-", "t k=1 v", "0"));
     REPORTS(ASK);
-    check_claim("a", "3.0 ± 1.0", "-");
-    check_claim("b", "-3.0 ± 1.0", "-");
+    CHECK_CLAIM("a", "3.0 ± 1.0", "-");
+    CHECK_CLAIM("b", "-3.0 ± 1.0", "-");
     static const char *const three[] = {"c", "d", "e"};
     for (size_t k = 0; k < 3; k++)
-        check_claim(three[k], "0.00 ± 0.50",
+        CHECK_CLAIM(three[k], "0.00 ± 0.50",
                     "not reproduced without the correction for 8 tests of one question");
-    check_claim("f", "0.12 ± 0.12", "a difference of 1 or more is excluded");
-    check_claim("g", "4.0 ± 1.0 (90 %: 2.0 to 6.0)", "-");
-    check_claim("h", "-4.0 ± 1.0 (90 %: -6.0 to -2.0)", "-");
-    check_claim("i", "0.00 ± 0.50", "a difference of 1 or more is excluded");
-    check_claim("j", "-3.0 ± 1.0", "-"); /* the opposite holds */
-    check_claim("k", "3.0 ± 1.0", "-");
+    CHECK_CLAIM("f", "0.12 ± 0.12", "a difference of 1 or more is excluded");
+    CHECK_CLAIM("g", "4.0 ± 1.0 (90 %: 2.0 to 6.0)", "-");
+    CHECK_CLAIM("h", "-4.0 ± 1.0 (90 %: -6.0 to -2.0)", "-");
+    CHECK_CLAIM("i", "0.00 ± 0.50", "a difference of 1 or more is excluded");
+    CHECK_CLAIM("j", "-3.0 ± 1.0", "-"); /* the opposite holds */
+    CHECK_CLAIM("k", "3.0 ± 1.0", "-");
     write_text("claims.tsv", HEADER ROW("z", "above", "-", "p", "t k=1 v", "0") THREE);
     REPORTS(ASK);
-    check_claim("c", "0.00 ± 0.50", "a difference of 1 or more is excluded");
-    check_claim("d", "0.00 ± 0.50", "a difference of 1 or more is excluded");
+    CHECK_CLAIM("c", "0.00 ± 0.50", "a difference of 1 or more is excluded");
+    CHECK_CLAIM("d", "0.00 ± 0.50", "a difference of 1 or more is excluded");
 }
 
 /* Agreements together: differences 1.5 and 3.25 of errors 1.25 and 0.75 have chi^2 1.44 + 18.8; the shift
@@ -560,15 +486,11 @@ static void test_joint_claims(void)
     const double w1 = 1.0 / 1.5625, w2 = 1.0 / 0.5625, shift = (1.5 * w1 + 3.25 * w2) / (w1 + w2),
                  chi2 = 2.25 * w1 + 3.25 * 3.25 * w2,
                  left = (1.5 - shift) * (1.5 - shift) * w1 + (3.25 - shift) * (3.25 - shift) * w2;
-    char text[128];
-    snprintf(text, sizeof text,
-             "chi² = %.1f over 2, p = %.2g; with a common shift of %.2f ± %.2f, %.1f over 1", chi2,
-             exp(-0.5 * chi2), shift, 1.0 / sqrt(w1 + w2), left);
-    check_claim("both", text, "-");
-    scoped_table t = {0};
-    char path[256];
-    path_of("out", path);
-    CHECK_OK(rp_table_read(path, &t));
+    CHECK_CLAIM("both",
+                check_text("chi² = %.1f over 2, p = %.2g; with a common shift of %.2f ± %.2f, %.1f over 1",
+                           chi2, exp(-0.5 * chi2), shift, 1.0 / sqrt(w1 + w2), left),
+                "-");
+    scoped_table t = read_texts("out");
     static const char *const verdicts[] = {"reproduced",     "not reproduced", "no data",
                                            "not reproduced", "reproduced",     "no data"};
     for (size_t row = 0; row < 6; row++) CU_ASSERT_STRING_EQUAL(word(&t, row, "verdict"), verdicts[row]);
@@ -579,60 +501,12 @@ static void test_joint_claims(void)
         "x\t-\n";
     write_text("claims.tsv", claim, "se", "16");
     REPORTS(ASK);
-    check_claim("x", "23.25", "+1.1 se");
+    CHECK_CLAIM("x", "23.25", "+1.1 se");
     write_text("claims.tsv", claim, "sd", "16");
     REPORTS(ASK);
-    check_claim("x", "23.25", "+4.3 se");
+    CHECK_CLAIM("x", "23.25", "+4.3 se");
     write_text("claims.tsv", claim, "sd", "-");
     REPORT_FAILS(65, "claim x: error: se, or sd of so many samples, expected", ASK);
-}
-
-/* ---- Holm ---- */
-
-/* Of k tests in order of their p: p times k, k - 1, ..., at least that of the test before, at most 1. */
-static double holm(size_t n, const double p[], size_t i)
-{
-    double largest = 0.0;
-    for (size_t j = 0; j < n; j++) {
-        size_t before = 0;
-        for (size_t k = 0; k < n; k++) before += p[k] < p[j];
-        if (p[j] <= p[i]) largest = fmax(largest, fmin(1.0, p[j] * (double)(n - before)));
-    }
-    return largest;
-}
-
-/* Four groups: a strong trend, two that alone would be significant, one without. The word follows from
- * p_holm. */
-static void test_holm(void)
-{
-    static const double slopes[] = {1.0, 0.21, -0.2, 0.01}, scatter[] = {0.3, -0.2, -0.25, 0.15, 0.1, -0.1};
-    static const char *const tests[] = {"trend", "size"};
-    double p[4];
-    FILE *file = file_of("runs.tsv");
-    fprintf(file, "# group\tx\ty\n");
-    for (int g = 0; g < 4; g++)
-        for (int i = 0; i < 12; i++) {
-            const double x = 1.0 + i % 3, u = g < 0 ? 1.0 / x : x;
-            fprintf(file, "%d\t%g\t%.6f\n", g, x, 5.0 + slopes[g] * u + scatter[(i * 5 + g) % 6]);
-        }
-    fclose(file);
-    for (size_t k = 0; k < 2; k++) {
-        size_t between = 0;
-        scoped_table t = TABLE_OF("stats %s runs.tsv -x x -y y --by group", tests[k]);
-        CU_ASSERT_FATAL(t.n_rows == 4);
-        for (size_t g = 0; g < 4; g++) p[g] = cell(&t, g, "p_value");
-        for (size_t g = 0; g < 4; g++) {
-            const double corrected = cell(&t, g, "p_holm");
-            CHECK_NEAR(corrected, holm(4, p, g), 1e-12);
-            between += p[g] < 0.05 && corrected >= 0.05;
-            if (k > 0) continue;
-            const char *status = t.cells[(g + 1) * t.n_columns - 1];
-            const bool moves = strstr(status, "rises") || strstr(status, "falls");
-            CU_ASSERT(moves == (corrected < 0.05));
-            if (moves) CU_ASSERT((strncmp(status, "rises", 5) == 0) == (cell(&t, g, "change") > 0.0));
-        }
-        if (k == 0) CU_ASSERT(between > 0); /* the plain p would have said otherwise */
-    }
 }
 
 /* ---- dips and peaks ---- */
@@ -667,17 +541,6 @@ static void test_dips(void)
         write_profiles(cases[i].change, cases[i].scatter);
         scoped_table t = TABLE_OF("stress dip piles.tsv --margin %s", cases[i].margin);
         CU_ASSERT_STRING_EQUAL(word(&t, 0, "verdict"), cases[i].verdict);
-        const double middle = cell(&t, 0, "middle"), se = cell(&t, 0, "middle_se");
-        const double sign = cases[i].change;
-        CHECK_NEAR(cell(&t, 0, "excess"), cases[i].change, 1e-12);
-        CHECK_NEAR(se, cell(&t, 0, "middle_sd") / sqrt(20.0), 1e-12);
-        CHECK_NEAR(cell(&t, 0, "middle_hi") - middle, 2.0930240544082634 * se,
-                   1e-9); /* Student's t of 19 degrees of freedom */
-        CHECK_NEAR(middle - cell(&t, 0, "middle_lo"), 2.0930240544082634 * se, 1e-9);
-        CHECK_NEAR(cell(&t, 0, "p_value"), 2.0 * gsl_cdf_tdist_Q(fabs(middle) / se, 19.0), 1e-9);
-        CHECK_NEAR(cell(&t, 0, "p_margin"),
-                   gsl_cdf_tdist_Q((atof(cases[i].margin) - fabs(middle)) / se, 19.0), 1e-9);
-        CHECK_NEAR(cell(&t, 0, "below"), sign < 0.0 ? 1.0 : sign > 0.0 ? 0.0 : 0.4, 1e-12);
     }
 }
 
@@ -698,6 +561,12 @@ static void test_rays(void)
 
 /* ---- sweeps of the papers against the claims ---- */
 
+static double number_of(const config_setting_t *setting)
+{
+    return config_setting_type(setting) == CONFIG_TYPE_FLOAT ? config_setting_get_float(setting)
+                                                             : config_setting_get_int(setting);
+}
+
 /* The values of a parameter in a sweep file: of the grid, fixed, or the default. */
 static size_t values_of(const config_t *config, const sweep_protocol *protocol, const char *key,
                         double values[64])
@@ -709,15 +578,10 @@ static size_t values_of(const config_t *config, const sweep_protocol *protocol, 
         list = config_setting_get_member(
             config_setting_is_list(grid) ? config_setting_get_elem(grid, (unsigned)g) : grid, key);
     size_t n = 0;
-    for (int i = 0; list && i < config_setting_length(list) && n < 64; i++) {
-        config_setting_t *e = config_setting_get_elem(list, (unsigned)i);
-        values[n++] = config_setting_type(e) == CONFIG_TYPE_FLOAT ? config_setting_get_float(e)
-                                                                  : config_setting_get_int(e);
-    }
+    for (int i = 0; list && i < config_setting_length(list) && n < 64; i++)
+        values[n++] = number_of(config_setting_get_elem(list, (unsigned)i));
     config_setting_t *one = fixed ? config_setting_get_member(fixed, key) : NULL;
-    if (one)
-        values[n++] = config_setting_type(one) == CONFIG_TYPE_FLOAT ? config_setting_get_float(one)
-                                                                    : config_setting_get_int(one);
+    if (one) values[n++] = number_of(one);
     const rp_param *p = rp_params_find(protocol->schema, key);
     const char *fallback = p && p->fallback ? p->fallback : "";
     const bool damping = strcmp(fallback, "auto") == 0,
@@ -734,20 +598,23 @@ static bool holds(size_t n, const double values[], double value)
     return false;
 }
 
-/* The sweep file of a table SWEEP/NAME. */
-static bool find_sweep(const char *table, char path[256])
+/* The sweep file of a table SWEEP/NAME, or NULL. */
+static const char *find_sweep(const char *table)
 {
     static const char *const folders[] = {"lh", "li", "studies", "val"};
     for (size_t k = 0; k < 4; k++) {
-        snprintf(path, 256, "sweeps/%s/%.*s.cfg", folders[k], (int)strcspn(table, "/"), table);
-        if (access(path, F_OK) == 0) return true;
+        const char *path = check_text("sweeps/%s/%.*s.cfg", folders[k], (int)strcspn(table, "/"), table);
+        if (access(path, F_OK) == 0) return path;
     }
-    return false;
+    return NULL;
 }
 
-/* The protocol of a sweep's file, with all that its `fixed` and `grid` may name. */
-static const sweep_protocol *protocol_in(const config_t *config)
+/* The protocol of a sweep's file, with all that its `fixed` and `grid` may name; its settings to be
+ * destroyed. */
+static const sweep_protocol *open_sweep(const char *path, config_t *config)
 {
+    config_init(config);
+    CU_ASSERT(config_read_file(config, path));
     static struct {
         const sweep_protocol *of, *open;
         sweep_experiment *text;
@@ -789,8 +656,7 @@ static size_t check_statement(const char *id, const char *text, const config_t *
         double to;
         if (begin - text >= 5 && strncmp(begin - 5, "from ", 5) == 0 && sscanf(after, " to %lf", &to) == 1)
             right &= holds(n, values, to);
-        if (!right) fprintf(stderr, "claim %s: \"%s\": the sweep has no %s = %g\n", id, text, key, value);
-        CU_ASSERT(right);
+        CHECK_OR_SAY(right, "claim %s: \"%s\": the sweep has no %s = %g", id, text, key, value);
         n_checked++;
     }
     return n_checked;
@@ -801,27 +667,21 @@ static size_t check_statement(const char *id, const char *text, const config_t *
 static void check_at(const rp_table *t, size_t row, const char *path, const config_t *config,
                      const sweep_protocol *protocol)
 {
-    char note[16], key[64];
-    snprintf(note, sizeof note, "at %s", word(t, row, "paper"));
-    const char *at = rp_table_find_note(t, note);
+    char key[64];
+    const char *at = rp_table_find_note(t, check_text("at %s", word(t, row, "paper")));
     CU_ASSERT_PTR_NOT_NULL_FATAL(at);
     double value, values[64];
     for (int used; sscanf(at, " %63[^=]=%lf%n", key, &value, &used) == 2; at += used) {
         static const char *const texts[] = {"answer", "statement", "note"};
-        char said[96];
         bool mentioned = (strstr(path, "lh2") || strstr(path, "lh_grain") || strstr(path, "lh_wall") ||
                           strstr(path, "lh_size")) &&
                          (*key == 'W' || *key == 'H');
-        for (size_t k = 0; k < 3; k++) {
-            snprintf(said, sizeof said, "%s =", key);
-            mentioned |= strstr(word(t, row, texts[k]), said) != NULL;
-            snprintf(said, sizeof said, "%s=", key);
-            mentioned |= strstr(word(t, row, texts[k]), said) != NULL;
-        }
+        for (size_t k = 0; k < 3; k++)
+            mentioned |= strstr(word(t, row, texts[k]), check_text("%s =", key)) ||
+                         strstr(word(t, row, texts[k]), check_text("%s=", key));
         if (mentioned || !rp_params_find(protocol->schema, key)) continue;
-        const bool right = holds(values_of(config, protocol, key, values), values, value);
-        if (!right) fprintf(stderr, "claim %s: %s has no %s = %g\n", word(t, row, "id"), path, key, value);
-        CU_ASSERT(right);
+        CHECK_OR_SAY(holds(values_of(config, protocol, key, values), values, value),
+                     "claim %s: %s has no %s = %g", word(t, row, "id"), path, key, value);
     }
 }
 
@@ -833,17 +693,17 @@ static void test_settings(void)
     for (size_t row = 0; row < t.n_rows; row++) {
         static const char *const texts[] = {"answer", "statement", "note"};
         char path[256];
-        if (strcmp(word(&t, row, "paper"), "ours") == 0 || !find_sweep(word(&t, row, "answer"), path))
-            continue;
+        const char *found = find_sweep(word(&t, row, "answer"));
+        if (strcmp(word(&t, row, "paper"), "ours") == 0 || !found) continue;
+        strcpy(path, found);
         config_t config;
-        config_init(&config);
-        CU_ASSERT(config_read_file(&config, path));
-        const sweep_protocol *protocol = protocol_in(&config);
+        const sweep_protocol *protocol = open_sweep(path, &config);
         for (size_t k = 0; k < 3 && protocol; k++) {
-            char text[2048], *others; /* the suite claims compares the cells of a pool */
-            snprintf(text, sizeof text, "%s", word(&t, row, texts[k]));
-            if ((others = strstr(text, " + "))) *others = '\0';
-            n_checked += check_statement(word(&t, row, "id"), text, &config, protocol);
+            const char *text = word(&t, row, texts[k]), *others = strstr(text, " + ");
+            const int used = (int)(others ? (size_t)(others - text) : strlen(text));
+            /* the suite claims compares the cells of a pool */
+            n_checked +=
+                check_statement(word(&t, row, "id"), check_text("%.*s", used, text), &config, protocol);
         }
         if (protocol) check_at(&t, row, path, &config, protocol);
         config_destroy(&config);
@@ -854,40 +714,33 @@ static void test_settings(void)
 /* The row that a place of the report reads is one of its sweep. */
 static size_t check_place(const char *place)
 {
-    char path[256];
+    const char *path = find_sweep(place);
     config_t config;
-    if (!find_sweep(place, path) || strncmp(path, "sweeps/l", 8) != 0) return 0; /* of the papers */
-    config_init(&config);
-    CU_ASSERT(config_read_file(&config, path));
-    const sweep_protocol *protocol = protocol_in(&config);
+    if (!path || strncmp(path, "sweeps/l", 8) != 0) return 0; /* of the papers */
+    const sweep_protocol *protocol = open_sweep(path, &config);
     const size_t n = protocol ? check_statement(path, place, &config, protocol) : 0;
     config_destroy(&config);
     return n;
 }
 
+static size_t places_checked;
+
+static void check_places(const char *page, int number, char *line)
+{
+    static const char *const words[] = {"{{value ", "{{cell ", "{{rows "};
+    (void)page, (void)number;
+    for (size_t w = 0; w < sizeof words / sizeof *words; w++)
+        for (const char *at = line; (at = strstr(at, words[w]));) {
+            at += strlen(words[w]);
+            places_checked += check_place(check_text("%.*s", (int)strcspn(at, "}|"), at));
+        }
+}
+
 static void test_rows(void)
 {
-    static const char *const patterns[] = {"report/text/*.md.in"}, *const words[] = {"{{value ", "{{cell ",
-                                                                                     "{{rows "};
-    size_t n_checked = 0;
-    for (size_t k = 0; k < 1; k++) {
-        glob_t found;
-        CU_ASSERT_FATAL(glob(patterns[k], 0, NULL, &found) == 0);
-        for (size_t i = 0; i < found.gl_pathc; i++) {
-            char line[8192], place[512];
-            FILE *text = fopen(found.gl_pathv[i], "r");
-            while (text && fgets(line, sizeof line, text))
-                for (size_t w = 0; w < sizeof words / sizeof *words; w++)
-                    for (const char *at = line; (at = strstr(at, words[w])); at++) {
-                        snprintf(place, sizeof place, "%.*s", (int)strcspn(at + strlen(words[w]), "}|"),
-                                 at + strlen(words[w]));
-                        n_checked += check_place(place);
-                    }
-            if (text) fclose(text);
-        }
-        globfree(&found);
-    }
-    CU_ASSERT(n_checked > 10);
+    places_checked = 0;
+    file_lines("report/text/*.md.in", check_places);
+    CU_ASSERT(places_checked > 10);
 }
 
 /* A setting of a grid point as the table says it: in the row of this point, or in the header. */
@@ -953,12 +806,11 @@ static void check_derived(const char *sweep, const config_setting_t *setting)
 {
     static const char *const others[] = {"table", "with", "rows", "of", "stage"};
     const char *table = "", *with = "", *source = NULL;
-    char path[256], name[160];
     scoped_table t = {0};
     size_t n = 1;
     config_setting_lookup_string(setting, "table", &table);
     config_setting_lookup_string(setting, "with", &with);
-    snprintf(path, sizeof path, "results/%s/%s.tsv", sweep, table);
+    const char *path = check_text("results/%s/%s.tsv", sweep, table);
     if (rp_table_read(path, &t)) return;
     const char *said = rp_table_find_note(&t, "derived by");
     CU_ASSERT_PTR_NOT_NULL_FATAL(said);
@@ -972,35 +824,31 @@ static void check_derived(const char *sweep, const config_setting_t *setting)
     const config_setting_t *of = config_setting_get_member(setting, "of");
     for (int i = 0; i < (of ? config_setting_length(of) : 1); i++) {
         source = rp_table_next_note(&t, "source", source);
-        snprintf(name, sizeof name, "%s ", of ? config_setting_get_string_elem(of, i) : sweep);
-        same &= source && strncmp(source, name, strlen(name)) == 0;
+        const char *name = of ? config_setting_get_string_elem(of, i) : sweep;
+        same &= source && strncmp(source, name, strlen(name)) == 0 && source[strlen(name)] == ' ';
     }
     same &= n == count_words(said) && !rp_table_next_note(&t, "source", source);
-    if (!same) fprintf(stderr, "%s: %s; not the setting of %s\n", path, said, sweep);
-    CU_ASSERT(same);
+    CHECK_OR_SAY(same, "%s: %s; not the setting of %s", path, said, sweep);
 }
 
 /* The runs that a table of results is of: their seed, number, grid points and every setting. */
 static void check_runs(const char *file, const char *name, const sweep_recipe *recipe)
 {
-    char path[256], runs[512];
     scoped_table t = {0};
     sweep_plan plan;
-    snprintf(path, sizeof path, "results/%s/points.tsv", name);
+    const char *path = check_text("results/%s/points.tsv", name);
     if (rp_table_read(path, &t)) return;
     CHECK_OK(sweep_plan_read(file, sweep_protocols, &plan));
     if (recipe->study) CHECK_OK(sweep_plan_replicate(&plan, recipe->study));
-    snprintf(runs, sizeof runs, "%s, protocol %s, seed %lu, %zu grid points x %zu replicas", file,
-             plan.protocol->name, (unsigned long)plan.seed, plan.n_points, plan.replicas);
-    const char *said = rp_table_find_note(&t, "sweep");
-    bool same = said && strncmp(said, runs, strlen(runs)) == 0 && t.n_rows == plan.n_points;
-    if (!same) fprintf(stderr, "%s: %s\n  the sweep has: %s\n", path, said, runs);
+    const char *said = rp_table_find_note(&t, "sweep"),
+               *runs =
+                   check_text("%s, protocol %s, seed %lu, %zu grid points x %zu replicas", file,
+                              plan.protocol->name, (unsigned long)plan.seed, plan.n_points, plan.replicas);
+    const bool same = said && strncmp(said, runs, strlen(runs)) == 0 && t.n_rows == plan.n_points;
+    CHECK_OR_SAY(same, "%s: %s\n  the sweep has: %s", path, said, runs);
     for (size_t k = 0; k < plan.n_points && same; k++)
-        for (const rp_param *p = plan.protocol->schema; p->name && same; p++) {
-            same = says_setting(&t, k, &plan, p);
-            if (!same) fprintf(stderr, "%s: another %s at point %zu\n", path, p->name, k);
-        }
-    CU_ASSERT(same);
+        for (const rp_param *p = plan.protocol->schema; p->name; p++)
+            CHECK_OR_SAY(says_setting(&t, k, &plan, p), "%s: another %s at point %zu", path, p->name, k);
     sweep_plan_free(&plan);
 }
 
@@ -1014,10 +862,9 @@ static void test_made(void)
         glob_t found;
         CU_ASSERT_FATAL(glob(patterns[k], 0, NULL, &found) == 0);
         for (size_t i = 0; i < found.gl_pathc; i++) {
-            char name[128];
             sweep_recipe recipe;
             const char *slash = strrchr(found.gl_pathv[i], '/') + 1;
-            snprintf(name, sizeof name, "%.*s", (int)strcspn(slash, "."), slash);
+            scoped char *name = strndup(slash, strcspn(slash, "."));
             CHECK_OK(sweep_recipe_read(found.gl_pathv[i], &recipe));
             check_runs(found.gl_pathv[i], name, &recipe);
             const config_setting_t *derive = config_lookup(&recipe.config, "derive");
@@ -1049,9 +896,8 @@ static void test_names(void)
 {
     static const char *const files[] = {"continuum", "pile", "tent", "triangle"};
     for (size_t k = 0; k < sizeof files / sizeof *files; k++) {
-        char path[64];
         sweep_recipe recipe;
-        snprintf(path, sizeof path, "sweeps/li/%s.cfg", files[k]);
+        const char *path = check_text("sweeps/li/%s.cfg", files[k]);
         CHECK_OK(sweep_recipe_read(path, &recipe));
         const config_setting_t *models = config_lookup(&recipe.config, "model");
         CU_ASSERT_FATAL(models && config_setting_length(models) > 0);
@@ -1059,11 +905,11 @@ static void test_names(void)
             const config_setting_t *model = config_setting_get_elem(models, (unsigned)j);
             const char *table = "";
             config_setting_lookup_string(model, "table", &table);
-            char name[64], *rest = name;
+            scoped char *name = strdup(table);
+            char *rest = name;
             double set;
             int at = 0;
             bool same = true;
-            snprintf(name, sizeof name, "%s", table);
             for (const char *part; (part = strsep(&rest, "_"));) {
                 char *end;
                 const double number = strtod(part, &end);
@@ -1071,29 +917,10 @@ static void test_names(void)
                 same &= next_number(model, &at, &set) && (set == number || set == 0.01 * number);
             }
             same &= !next_number(model, &at, &set);
-            if (!same) fprintf(stderr, "%s: %s\n", path, table);
-            CU_ASSERT(same);
+            CHECK_OR_SAY(same, "%s: %s", path, table);
         }
         sweep_recipe_free(&recipe);
     }
-}
-
-/* The next line of a second entry is this one; comments are passed over. */
-static void check_entry(FILE *entries, const char *path, const char *wanted)
-{
-    char line[4300] = "";
-    do {
-        if (!fgets(line, sizeof line, entries)) strcpy(line, "(end of the file)\n");
-    } while (*line == '#');
-    const bool same = strncmp(line, wanted, strlen(wanted)) == 0 && line[strlen(wanted)] == '\n';
-    if (!same) fprintf(stderr, "%s has   : %s  expected: %s\n", path, line, wanted);
-    CU_ASSERT_FATAL(same);
-}
-
-static void check_end(FILE *entries)
-{
-    CU_ASSERT(fgetc(entries) == EOF);
-    fclose(entries);
 }
 
 /* Numbers, tests and cells of the claims stand a second time in tests/claims.txt: a changed number of a paper
@@ -1102,6 +929,7 @@ static void test_claims_again(void)
 {
     static const char *const columns[] = {"id",      "paper",  "test",   "published", "published_se", "error",
                                           "samples", "margin", "family", "answer",    "against"};
+    char line[4300];
     scoped_table t = {0};
     FILE *in = fopen("tests/claims.txt", "r");
     CU_ASSERT_PTR_NOT_NULL_FATAL(in);
@@ -1111,17 +939,14 @@ static void test_claims_again(void)
         for (size_t k = 0; k < sizeof columns / sizeof *columns; k++)
             snprintf(wanted + strlen(wanted), sizeof wanted - strlen(wanted), "%s%s", k ? " | " : "",
                      word(&t, row, columns[k]));
-        check_entry(in, "tests/claims.txt", wanted);
+        do {
+            if (!fgets(line, sizeof line, in)) strcpy(line, "(end of the file)\n");
+        } while (*line == '#');
+        line[strcspn(line, "\n")] = '\0';
+        CHECK_OR_SAY(strcmp(line, wanted) == 0, "tests/claims.txt has   : %s\n  expected: %s", line, wanted);
     }
-    check_end(in);
-}
-
-/* A line of shell at the top of the tree, `$to` a folder, and what it says of a fault. */
-static void holds_in_tree(const char *line)
-{
-    const int status = shell_line("to=$PWD; { cd \"$OLDPWD\" && %s; } >$to/out 2>$to/err", line);
-    if (status != 0) fprintf(stderr, "%s%s", out, err);
-    CU_ASSERT(status == 0);
+    CU_ASSERT(fgetc(in) == EOF);
+    fclose(in);
 }
 
 /* Each committed page, in every cell and verdict, is what the tables in results say. */
@@ -1158,6 +983,6 @@ static void test_remade(void)
 }
 
 CHECK_SUITE_WITHIN(evidence, "evidence", enter, leave, test_verdicts, test_section, test_failed_cells,
-                   test_references, test_needs, test_family, test_joint_claims, test_holm, test_dips,
-                   test_rays, test_settings, test_rows, test_made, test_names, test_claims_again, test_pages,
+                   test_references, test_needs, test_family, test_joint_claims, test_dips, test_rays,
+                   test_settings, test_rows, test_made, test_names, test_claims_again, test_pages,
                    test_checksums, test_commits, test_remade)

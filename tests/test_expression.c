@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "check.h"
+#include "grains.h"
 #include "dem/scene/scene.h"
 #include "params/expression.h"
 
@@ -69,12 +70,9 @@ static void test_values(void)
         {"rest == true", 1.0}, {"180*deg - pi", 0.0}, {"exp(log(W))", 4.0}, {"atan(1) - pi/4", 0.0},
         {"known(theta) ? 1 : 0", 0.0}, {"known(grains)", 1.0}, {" ( ( 1 ) ) ", 1.0}, {"1 - 1 - 1", -1.0});
     CU_ASSERT(value_of("-inf") == -INFINITY && isnan(value_of("min(theta, 1)")));
-    for (double x = -1000.0; x < 1000.0; x += 0.37) {
-        char text[2][64];
-        snprintf(text[0], sizeof text[0], "sin(%.17g)", x);
-        snprintf(text[1], sizeof text[1], "cos(%.17g)", x);
-        CHECK_EACH(value_of(NAME), 4e-15 + 1e-16 * fabs(x), {text[0], sin(x)}, {text[1], cos(x)});
-    }
+    for (double x = -1000.0; x < 1000.0; x += 0.37)
+        CHECK_EACH(value_of(NAME), 4e-15 + 1e-16 * fabs(x), {check_text("sin(%.17g)", x), sin(x)},
+                   {check_text("cos(%.17g)", x), cos(x)});
     CHECK_NEAR(value_of("tan(0.7)"), tan(0.7), 1e-15);
     CU_ASSERT(isnan(value_of("sin(inf)")));
 }
@@ -193,8 +191,7 @@ static void test_decided(void)
         CHECK_OK(rp_expression_read(&arena, cases[k].text, &inside, &e));
         asked = 0;
         CU_ASSERT((int)rp_expression_value(&e, &(rp_x_values){NULL, load_counted}, states) == cases[k].value);
-        if (asked != cases[k].asked) fprintf(stderr, "%s: asked %d\n", cases[k].text, asked);
-        CU_ASSERT(asked == cases[k].asked);
+        CHECK_OR_SAY(asked == cases[k].asked, "%s: asked %d", cases[k].text, asked);
     }
 }
 
@@ -219,8 +216,7 @@ static void test_keys(void)
     for (size_t k = 0; k < sizeof same / sizeof *same; k++) {
         CHECK_OK(rp_expression_read(&arena, same[k][0], &outside, &e));
         const char *key = rp_expression_key(&arena, &e);
-        if (strcmp(key, same[k][1]) != 0) fprintf(stderr, "%s: %s\n", same[k][0], key);
-        CU_ASSERT(strcmp(key, same[k][1]) == 0);
+        CHECK_OR_SAY(strcmp(key, same[k][1]) == 0, "%s: %s", same[k][0], key);
     }
     CHECK_OK(rp_expression_read(&arena, "grains + theta*grains + moved(grains, 0)", &outside, &e));
     rp_expression_each(&e, count, names);
@@ -281,9 +277,8 @@ static void test_random(void)
         RP_SCOPE(arena);
         const double expected = write_random(&arena, &text, false, 1 + k % 4);
         const double v = value_of(text);
-        const bool right = memcmp(&v, &expected, sizeof v) == 0 || (isnan(v) && isnan(expected));
-        if (!right) fprintf(stderr, "%s: %.17g, not %.17g\n", text, v, expected);
-        CU_ASSERT(right);
+        CHECK_OR_SAY(memcmp(&v, &expected, sizeof v) == 0 || (isnan(v) && isnan(expected)),
+                     "%s: %.17g, not %.17g", text, v, expected);
     }
     /* texts that were hurt at a random place: read, or refused */
     for (int k = 0; k < 20000; k++) {
@@ -309,73 +304,58 @@ static const char scene_text[] = "let = { D = { value = 1.6; unit = \"cm\"; rang
                                  "(\"-inf\", \"-wide\"); open_at_step = \"dt < 1 ? 7 : 8\"; } );\n"
                                  "fill = { N = \"N\"; W = \"wide\"; H = 16.0; };\n";
 
-static rp_status read_changed(const char *from, const char *to, const rp_texts *changes, dem_scene *scene)
+/* With another part in place of the first `from`. */
+static const char *changed(const char *from, const char *to)
 {
-    char text[2000];
     const char *start = strstr(scene_text, from);
-    CU_ASSERT_FATAL(start != NULL);
-    snprintf(text, sizeof text, "%.*s%s%s", (int)(start - scene_text), scene_text, to, start + strlen(from));
-    FILE *out = fopen("build/lets.cfg", "w");
-    CU_ASSERT_FATAL(out != NULL);
-    fputs(text, out);
-    fclose(out);
-    return dem_scene_read("build/lets.cfg", changes, scene);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(start);
+    return check_text("%.*s%s%s", (int)(start - scene_text), scene_text, to, start + strlen(from));
 }
 
 static void test_lets(void)
 {
-    dem_scene s;
-    CHECK_OK(read_changed("", "", NULL, &s));
+    scoped_scene s, t;
+    CHECK_OK(grains_read(scene_text, NULL, &s));
     CU_ASSERT(s.def.y_min == -0.4 && s.steps == 120 && s.def.rotation && s.def.material.mu == 0.2 &&
               s.fill.N == 12);
-    CHECK_NEAR(s.fill.W, 4.8, 1e-15);
-    CHECK_NEAR(s.fill.density, 4.0 / M_PI, 1e-15);
+    CHECK_ALL_NEAR(1e-15, {s.fill.W, 4.8}, {s.fill.density, 4.0 / M_PI});
     CHECK_NEAR(s.def.x_max, 4.0 / 3.0 * M_PI * 1e-3 * 4.0 / M_PI * 981.0, 1e-14);
     CU_ASSERT(s.def.walls[0].open_at_step == 7 && s.def.walls[0].point[0] == -1.6);
     CU_ASSERT(s.def.walls[0].extent[1] == -s.fill.W && isinf(s.def.walls[0].extent[0]));
-    dem_scene_free(&s);
-    CHECK_OK(read_changed("", "", &(rp_texts){3, {"D=0.5", "mu=0.7", "fill.H=3"}}, &s));
-    CU_ASSERT(s.fill.W == 1.5 && s.def.material.mu == 0.7 && s.fill.H == 3.0);
-    dem_scene_free(&s);
+    CHECK_OK(grains_read(scene_text, &(rp_texts){3, {"D=0.5", "mu=0.7", "fill.H=3"}}, &t));
+    CU_ASSERT(t.fill.W == 1.5 && t.def.material.mu == 0.7 && t.fill.H == 3.0);
 }
 
 static void test_lets_refused(void)
 {
     static const char *const cases[][3] = {
-        {"\"N*10\"", "\"N/7\"", "lets.cfg:3: steps = \"N/7\": steps = 1.71429: a whole number expected"},
+        {"\"N*10\"", "\"N/7\"", "s.cfg:3: steps = \"N/7\": steps = 1.71429: a whole number expected"},
         {"\"N*10\"", "\"n*10\"",
-         "lets.cfg:3: steps = \"n*10\": character 1: unknown name n (did you mean \"N\"?)"},
-        {"\"N*10\"", "\"N*inf\"", "lets.cfg:3: steps = \"N*inf\": "},
+         "s.cfg:3: steps = \"n*10\": character 1: unknown name n (did you mean \"N\"?)"},
+        {"\"N*10\"", "\"N*inf\"", "s.cfg:3: steps = \"N*inf\": "},
         {"\"N*10\"", "\"floor\"", "steps = \"floor\": steps = \"ends\": "},
         {"\"N*10\"", "\"0/0\"", "steps = \"0/0\": is nan"},
         {"mu = \"mu\"", "mu = \"-mu\"",
-         "lets.cfg:4: tangential.mu = \"-mu\": mu = -0.2: out of range, allowed: [0, inf)"},
+         "s.cfg:4: tangential.mu = \"-mu\": mu = -0.2: out of range, allowed: [0, inf)"},
         {"mu = \"mu\"", "mu = \"atan(mu)\"", "atan: only in measure"},
         {"law = \"law\"", "law = \"laws\"", "tangential.law = \"laws\": unknown word, allowed: none"},
         {"law = \"law\"", "law = \"mu\"", "tangential.law = \"mu\": law = 0.2: "},
         {"\"-D\"", "\"-E\"", "walls.[0].point = \"-E\": character 2: unknown name E"},
         {"\"-D\"", "\"turns\"", "walls.[0].point: two numbers [a, b] expected"},
         {"\"-D\"", "\"inf\"", "walls.[0].point: finite numbers expected"},
-        {"\"3*D\"", "\"3*later\"", "lets.cfg:2: let.wide: character 3: unknown name later"},
-        {"value = 1.6", "value = 7.0", "lets.cfg:1: let.D: D = 7: out of range, allowed: (0, 6) cm"},
+        {"\"3*D\"", "\"3*later\"", "s.cfg:2: let.wide: character 3: unknown name later"},
+        {"value = 1.6", "value = 7.0", "s.cfg:1: let.D: D = 7: out of range, allowed: (0, 6) cm"},
         {"value = 1.6", "valu = 1.6", "let.D.valu: unknown key (did you mean \"value\"?)"},
         {"unit =", "units =",
-         "lets.cfg:1: let.D.units: unknown key (did you mean \"unit\"?); allowed: unit range meaning"},
-        {"unit = \"cm\"", "unit = 3", "lets.cfg:1: let.D.unit = 3: text expected"},
+         "s.cfg:1: let.D.units: unknown key (did you mean \"unit\"?); allowed: unit range meaning"},
+        {"unit = \"cm\"", "unit = 3", "s.cfg:1: let.D.unit = 3: text expected"},
         {"mu = 0.2", "mu = { unit = \"1\"; }", "let.mu: value is missing"},
         {"mu = 0.2", "pi = 0.2", "let.pi: the name is taken"},
-        {"mu = 0.2", "mu = [1, 2]", "let.mu: a number, true, false, a word or an expression expected"}};
-    dem_scene s;
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        CHECK_FAILS(read_changed(cases[k][0], cases[k][1], NULL, &s), RP_BAD_INPUT, cases[k][2]);
-        dem_scene_free(&s);
-    }
-    CHECK_FAILS(read_changed("", "", &(rp_texts){1, {"D=7"}}, &s), RP_BAD_INPUT,
-                "let.D: D = 7: out of range");
-    dem_scene_free(&s);
-    CHECK_FAILS(read_changed("let =", "lets =", NULL, &s), RP_BAD_INPUT, "unknown key");
-    dem_scene_free(&s);
-    remove("build/lets.cfg");
+        {"mu = 0.2", "mu = [1, 2]", "let.mu: a number, true, false, a word or an expression expected"},
+        {"let =", "lets =", "unknown key"}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
+        grains_refused(changed(cases[k][0], cases[k][1]), NULL, cases[k][2]);
+    grains_refused(scene_text, &(rp_texts){1, {"D=7"}}, "let.D: D = 7: out of range");
 }
 
 CHECK_SUITE(expression, "expression", test_values, test_messages, test_states, test_decided, test_keys,

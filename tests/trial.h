@@ -75,6 +75,11 @@ static inline void run_whole(trial *t, const char *text, long part, const char *
     CU_ASSERT(strncmp(now->status, "ok", 2) == 0 || *now->message);
 }
 
+/* A trial of this name that has been run so. */
+#define RUN_TRIAL(t, text, part, status)                                                                     \
+    scoped_trial t;                                                                                          \
+    run_whole(&t, text, part, status)
+
 /* A change of a text, and what comes of it. */
 typedef struct {
     const char *text, *from, *to, *expected;
