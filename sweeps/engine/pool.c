@@ -39,7 +39,6 @@ static const double MANY = 100.0; /* times the median run: worth a line */
 typedef struct {
     size_t run;
     unsigned char tries; /* that failed */
-    bool kept;           /* there may be a snapshot of an earlier try or drive */
 } task;
 
 typedef struct {
@@ -76,12 +75,11 @@ static void snapshot_of(const pool *p, size_t run, char key[33], char path[4096]
     snprintf(path, 4096, "%s/%s", p->options->snapshots, key);
 }
 
-/* A stored run needs no snapshot, once its row is committed. A shorter one has never written any. */
-static rp_status remove_snapshot(const pool *p, const task *t, double seconds)
+/* A stored run needs no snapshot, once its row is committed. */
+static rp_status remove_snapshot(const pool *p, size_t run)
 {
     char key[33], path[4096];
-    if (!t->kept && seconds < 0.5 * p->options->snapshot) return RP_OK;
-    snapshot_of(p, t->run, key, path);
+    snapshot_of(p, run, key, path);
     if (access(path, F_OK) != 0) return RP_OK;
     RP_TRY(sweep_store_commit(p->store));
     sweep_keep_remove(path);
@@ -89,10 +87,9 @@ static rp_status remove_snapshot(const pool *p, const task *t, double seconds)
 }
 
 /* Make a run, from its snapshot if there is one; a snapshot that is refused is named in the row. */
-static rp_status make(const pool *p, const task *t, sweep_result *result)
+static rp_status make(const pool *p, size_t run, sweep_result *result)
 {
     const sweep_plan *plan = p->plan;
-    const size_t run = t->run;
     char key[33], path[4096], why[sizeof result->message] = "";
     sweep_keep keep = {.path = path,
                        .key = key,
@@ -103,7 +100,7 @@ static rp_status make(const pool *p, const task *t, sweep_result *result)
     const bool keeps = p->options->snapshots != NULL;
     if (keeps) {
         snapshot_of(p, run, key, path);
-        sweep_keep_begin(&keep, t->kept, why, sizeof why);
+        sweep_keep_begin(&keep, why, sizeof why);
     }
     const rp_status status = sweep_plan_run(plan, run, keeps ? &kept : NULL, result);
     if (keeps) sweep_keep_end(&keep, false);
@@ -125,12 +122,12 @@ static void limit_memory(double mb)
 }
 
 /* Make a run and give its row back; false if that is this worker's end. */
-static bool make_row(const pool *p, const task *t, int socket)
+static bool make_row(const pool *p, size_t run, int socket)
 {
-    sweep_row row = {.run = t->run};
+    sweep_row row = {.run = run};
     const double start = rp_clock();
     sweep_result_clear(&row.result);
-    row.status = make(p, t, &row.result);
+    row.status = make(p, run, &row.result);
     row.seconds = rp_clock() - start;
     if (row.status == RP_STOPPED) return false;
     if (row.status) snprintf(row.result.message, sizeof row.result.message, "%s", rp_message());
@@ -146,7 +143,7 @@ static void work(const pool *p, int socket)
     if (isnormal(p->options->memory)) limit_memory(p->options->memory);
     while (goes_on && (n = recv(socket, tasks, sizeof tasks, 0)) > 0)
         for (size_t i = 0; goes_on && i < (size_t)n / sizeof *tasks; i++)
-            goes_on = make_row(p, &tasks[i], socket);
+            goes_on = make_row(p, tasks[i].run, socket);
     _exit(0);
 }
 
@@ -261,7 +258,6 @@ static rp_status give_up(pool *p, worker *w, const char *word, const char *cause
                            again ? "goes to the end of the queue" : word);
     if (again) {
         t.tries++;
-        t.kept = true;
         put_back(p, t);
         return RP_OK;
     }
@@ -290,14 +286,13 @@ static rp_status take_row(pool *p, worker *w, sweep_row *row)
         end_worker(w); /* which may be at the next run */
         return give_up(p, w, "no_memory", row->result.message);
     }
-    const task t = w->tasks[0];
     memmove(w->tasks, w->tasks + 1, --w->n * sizeof *w->tasks);
     w->elapsed = 0.0;
     w->reported = false;
     if (row->status)
         return rp_fail(row->status, "%s: %s", name_run(p, row->run, name, sizeof name), row->result.message);
     RP_TRY(store_row(p, row));
-    return p->options->snapshots ? remove_snapshot(p, &t, row->seconds) : RP_OK;
+    return p->options->snapshots ? remove_snapshot(p, row->run) : RP_OK;
 }
 
 /* A busy worker has spoken or died: store its runs. */
@@ -450,30 +445,20 @@ static void begin_drive(pool *p, int lock)
         p->next = (size_t)(fmod(0.618 * failed, 1.0) * (double)p->n_todo);
 }
 
-/* A snapshot may be there of any run if there is one at all. free. */
-static task *make_tasks(const size_t runs[], size_t n, const char *snapshots)
-{
-    task *tasks = calloc(n, sizeof *tasks);
-    rp_paths left = {0};
-    const bool kept = snapshots && (rp_paths_in(&left, snapshots, sweep_keep_is_name) || left.n > 0);
-    rp_paths_free(&left);
-    for (size_t i = 0; tasks && i < n; i++) tasks[i] = (task){.run = runs[i], .kept = kept};
-    return tasks;
-}
-
 rp_status sweep_pool_run(const sweep_folder *folder, const size_t todo[], size_t n,
                          const sweep_options *options, const sweep_counts *counts)
 {
     const int lock = folder->lock;
     pool p = {.plan = &folder->plan,
               .store = folder->store,
-              .todo = make_tasks(todo, n, options->snapshots),
+              .todo = calloc(n, sizeof(task)),
               .n_todo = n,
               .waiting = n,
               .options = options,
               .start = rp_clock()};
     p.last_tick = p.start;
     if (!p.todo) return rp_fail(RP_NO_MEMORY, "workers: out of memory");
+    for (size_t i = 0; i < n; i++) p.todo[i].run = todo[i];
     begin_drive(&p, lock);
     p.progress = (sweep_progress){counts->planned, counts->stored, counts->failed, 0.0, NAN};
     p.n_workers = (size_t)options->workers < n ? (size_t)options->workers : n;
@@ -505,24 +490,33 @@ static bool is_aborted(const char *status)
 size_t sweep_count_aborted(const sweep_counts *counts)
 {
     size_t n = 0;
-    for (size_t i = 0; i < counts->n_words; i++)
-        if (is_aborted(counts->words[i].status)) n += counts->words[i].runs;
+    for (size_t i = 0; i < counts->words.n; i++)
+        if (is_aborted(counts->words.of[i].word)) n += (size_t)counts->words.of[i].times;
     return n;
+}
+
+bool sweep_is_failed(const char *status)
+{
+    return !rp_is_result(status);
+}
+
+const char *sweep_words(const rp_tally *words, bool (*wanted)(const char *status), char text[1024])
+{
+    *text = '\0';
+    for (size_t i = 0, used = 0; i < words->n; i++)
+        if (wanted(words->of[i].word))
+            used += (size_t)snprintf(text + used, 1024 - used, "%s%s %.0f", used ? ", " : "",
+                                     words->of[i].word, words->of[i].times);
+    return text;
 }
 
 rp_status sweep_check_aborted(const sweep_counts *counts)
 {
+    char text[1024];
     const size_t n = sweep_count_aborted(counts);
-    char text[128] = "";
-    size_t used = 0;
-    for (size_t i = 0; i < counts->n_words; i++) {
-        if (!is_aborted(counts->words[i].status)) continue;
-        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s %zu", used ? ", " : "",
-                                 counts->words[i].status, counts->words[i].runs);
-    }
     return n == 0 ? RP_OK
                   : rp_fail(RP_NO_RESULT, "%zu of %zu runs were aborted (%s); the same command retries them",
-                            n, counts->planned, text);
+                            n, counts->planned, sweep_words(&counts->words, is_aborted, text));
 }
 
 rp_status sweep_check_whole(const char *dir, const sweep_counts *counts)

@@ -47,12 +47,15 @@ typedef struct {
     unsigned long seed, run, pile;
 } sweep_stream;
 
-/* One finished run. */
+/* One finished run; what the store has besides follows from the plan. */
 typedef struct {
     size_t run;
     rp_status status; /* what the protocol returned; its message is in result.message */
     double seconds;
     sweep_result result;
+    char key[33];
+    const char *program, *parameters;
+    sqlite3_int64 seed, model, pile;
 } sweep_row;
 
 /* One SQLite file; see store.c. */
@@ -164,7 +167,7 @@ rp_status sweep_store_visit(sweep_store *store, const sweep_plan *plan,
 rp_status sweep_sql_fail(const sweep_store *store, const char *what);
 rp_status sweep_sql(sweep_store *store, const char *what, const char *format, ...);
 rp_status sweep_sql_text(sweep_store *store, const char *what, sqlite3_str *text);
-sqlite3_stmt *sweep_sql_query(sweep_store *store, const char *sql);
+sqlite3_stmt *sweep_sql_query(sweep_store *store, const char *format, ...);
 sqlite3_stmt *sweep_sql_query_text(sweep_store *store, sqlite3_str *text);
 rp_status sweep_sql_finish(sweep_store *store, const char *what, sqlite3_stmt *query);
 rp_status sweep_sql_number(sweep_store *store, const char *sql, long long *number);

@@ -94,13 +94,10 @@ static rp_status find_digest(const sweep_plan *plan, sweep_store *store, digeste
 /* "8 of 15 (no_pile 6, overlap 2)": runs without a result, and why. */
 static void note_failed(const sweep_counts *counts, FILE *out)
 {
-    char causes[SWEEP_MAX_WORDS * 40] = "";
-    size_t n = 0;
-    for (size_t i = 0; i < counts->n_words; i++)
-        if (!rp_is_result(counts->words[i].status))
-            n += (size_t)snprintf(causes + n, sizeof causes - n, "%s%s %zu", n ? ", " : " (",
-                                  counts->words[i].status, counts->words[i].runs);
-    rp_table_note(out, "failed", "%zu of %zu%s%s", counts->failed, counts->stored, causes, n ? ")" : "");
+    char causes[1024];
+    sweep_words(&counts->words, sweep_is_failed, causes);
+    rp_table_note(out, "failed", *causes ? "%zu of %zu (%s)" : "%zu of %zu", counts->failed, counts->stored,
+                  causes);
 }
 
 static rp_status write_head(const sweep_plan *plan, sweep_store *store, const char *command,

@@ -435,7 +435,7 @@ rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, 
                        plan->n_runs - 1, file);
     RP_TRY(sweep_plan_check_point(plan, file, row / plan->replicas));
     trace_owner(plan, row, tables, owner);
-    if (keep) keep->key = owner, sweep_keep_begin(keep, true, why, sizeof why);
+    if (keep) keep->key = owner, sweep_keep_begin(keep, why, sizeof why);
     const rp_status status = *why ? rp_fail(RP_BAD_INPUT, "%s; remove this file to start anew", why)
                                   : sweep_plan_run(plan, row, tables, result);
     if (keep) sweep_keep_end(keep, status == RP_OK);

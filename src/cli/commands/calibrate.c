@@ -462,30 +462,18 @@ static const char *separator(const problem *s, const stats_answer *a)
 /* How many runs of all stages ended by which word other than ok. */
 static void print_failed(const problem *s, size_t stages)
 {
-    sweep_counts all = {0}, one;
-    char *text = NULL;
-    size_t size;
+    rp_tally all = {0};
+    char text[1024];
     for (size_t k = 0; k < stages * s->quest.n_groups; k++) {
         const char *dir = rp_text(s->call->arena, "%s/stage_%zu_%zu", s->o->o, k / s->quest.n_groups + 1,
                                   k % s->quest.n_groups + 1);
+        sweep_counts one;
         if (!rp_is_in(dir, "store.sqlite") || sweep_status(dir, sweep_protocols, &one)) continue;
-        for (size_t w = 0; w < one.n_words; w++) {
-            size_t at = 0;
-            if (rp_is_result(one.words[w].status)) continue;
-            while (at < all.n_words && strcmp(all.words[at].status, one.words[w].status) != 0) at++;
-            if (at == SWEEP_MAX_WORDS) continue;
-            if (at == all.n_words)
-                all.words[all.n_words++] = one.words[w];
-            else
-                all.words[at].runs += one.words[w].runs;
-        }
+        for (size_t w = 0; w < one.words.n; w++)
+            rp_tally_add(&all, one.words.of[w].word, strlen(one.words.of[w].word), one.words.of[w].times);
     }
-    FILE *words = open_memstream(&text, &size);
-    for (size_t w = 0; words && w < all.n_words; w++)
-        fprintf(words, "%s%zu %s", w ? ", " : "", all.words[w].runs, all.words[w].status);
-    if (words) fclose(words);
-    if (text && *text) rp_table_note(stdout, "failed", "%s: the numbers are of the other runs", text);
-    free(text);
+    if (*sweep_words(&all, sweep_is_failed, text))
+        rp_table_note(stdout, "failed", "%s: the numbers are of the other runs", text);
 }
 
 static void print_answer(const problem *s, const stats_answer *a)

@@ -277,8 +277,8 @@ static rp_status make_runs(const making *m)
     const rp_status status = cli_sweep_run(o->o, options, o->quiet, &counts);
     if (!status || status == RP_NO_RESULT) { /* "lh3: 80 runs: 78 ok, 2 not_at_rest" */
         printf("%s: %zu runs", m->recipe.name, counts.stored);
-        for (size_t i = 0; i < counts.n_words; i++)
-            printf("%s %zu %s", i ? "," : ":", counts.words[i].runs, counts.words[i].status);
+        for (size_t i = 0; i < counts.words.n; i++)
+            printf("%s %.0f %s", i ? "," : ":", counts.words.of[i].times, counts.words.of[i].word);
         putchar('\n');
         fflush(stdout); /* before what is told of tables */
     }
