@@ -1753,7 +1753,7 @@ static void test_settings(void)
         {"derive = ( { table = \"a\"; with = \"compare\"; o = \"x\"; } );", "o: unknown key"},
         {"derive = ( { table = \"a\"; with = \"compare\"; rows = \"b\"; } );",
          "rows = \"b\": runs, points or an"},
-        {"derive = ( { table = \"a\"; with = \"compare\"; where = [1]; } );", "where: conditions expected"},
+        {"derive = ( { table = \"a\"; with = \"compare\"; where = [1]; } );", "where = 1: text expected"},
         {"derive = ( { table = \"a\"; with = \"fit\"; x = \"alpha_deg\"; } );", "y: missing"},
         {"derive = ( { table = \"a\"; with = \"fit\"; x = \"alpha_deg\"; y = \"DD\"; } );",
          "a: y: runs: no column"},

@@ -312,27 +312,21 @@ static rp_status check_output(const sweep_experiment *e, const sweep_output outp
 static rp_status describe(sweep_experiment *e)
 {
     const rp_lets *lets = &e->text.lets;
-    sweep_output *outputs;
     size_t n, n_keys = 0;
-    const exp_output *o = exp_outputs(e->plan, &n);
+    e->protocol.outputs = exp_outputs(e->plan, &n);
     if (n > SWEEP_MAX_OUTPUTS)
         return rp_fail(RP_BAD_INPUT, "%s: %zu columns of measures; a sweep has up to %d", e->text.path, n,
                        SWEEP_MAX_OUTPUTS);
     while (dem_named_keys[n_keys].key) n_keys++;
     RP_NEW(&e->arena, e->schema, lets->n + n_keys + 1);
     RP_NEW(&e->arena, e->keys, lets->n + n_keys);
-    RP_NEW(&e->arena, outputs, n);
     for (size_t k = 0; k < lets->n; k++) /* a truth or word that is computed is the text's own affair */
         if (!lets->lets[k].computed || lets->lets[k].is.type == RP_X_NUMBER)
             RP_TRY(add_let(e, &lets->lets[k]));
-    for (size_t k = 0; k < n; k++) {
-        outputs[k] = (sweep_output){o[k].name, o[k].unit, o[k].meaning};
-        RP_TRY(check_output(e, outputs, k));
-    }
+    for (size_t k = 0; k < n; k++) RP_TRY(check_output(e, e->protocol.outputs, k));
     e->n_params = e->n_lets;
     e->protocol.schema = e->schema;
     e->protocol.params_size = sizeof(slot) * (1 + e->n_lets + n_keys);
-    e->protocol.outputs = outputs;
     return RP_OK;
 }
 

@@ -19,6 +19,7 @@ typedef struct {
     bool zip;
     int piles, units;
     const char *experiment;
+    rp_texts set;
 } head;
 
 /* Of what a sweep's file has runs: a protocol, or an experiment. */
@@ -59,14 +60,16 @@ static rp_status read_head(const char *file, const config_setting_t *root,
          "random streams: every run its own, or replica k of every grid point the same"},
         {"units", "", RP_CHOICE, offsetof(head, units), "cgs", RP_UNITS_WORDS,
          "of the numbers here and of the tables; without it those of the protocol's text"},
+        {"set", "", RP_TEXTS, offsetof(head, set), "", "", "KEY=VALUE: changes of the experiment"},
         {0}};
     RP_TRY(refuse_scene(file, root));
     if (!sweep_names_runs(root)) /* the root has no line to point at */
         return rp_fail(RP_BAD_INPUT, "%s: protocol or experiment: missing (kind of experiment), allowed: %s",
                        file, names);
+    *h = (head){0};
     rp_params_defaults(schema, h);
     rp_status status = rp_config_group(
-        root, schema, h, (const char *const[]){"fixed", "grid", "derive", "trace", "model", "set", NULL});
+        root, schema, h, (const char *const[]){"fixed", "grid", "derive", "trace", "model", NULL});
     rp_units_set((rp_units)h->units);
     if (status) return status;
     const bool text = *h->experiment || protocols[h->protocol]->text;
@@ -109,27 +112,16 @@ static const config_setting_t *element(const config_setting_t *group, size_t i)
 static rp_status open_experiment(const char *file, const head *h, sweep_plan *plan)
 {
     RP_SCOPE(arena);
-    rp_texts changes = {0};
     const char *const name = h->experiment, *path, *slash = strrchr(file, '/');
-    const config_setting_t *set = config_lookup(&plan->config, "set"),
-                           *units = config_lookup(&plan->config, "units");
-    if (set && !config_setting_is_list(set) && !config_setting_is_array(set))
-        return rp_config_fail(set, "set: a list [ \"key=value\" ] expected");
-    for (int i = 0; i < length(set); i++) {
-        const char *text = config_setting_get_string_elem(set, i);
-        if (!text || changes.n == sizeof changes.items / sizeof *changes.items)
-            return rp_config_fail(set, "set: up to %zu texts \"key=value\" expected",
-                                  sizeof changes.items / sizeof *changes.items);
-        changes.items[changes.n++] = text;
-    }
+    const config_setting_t *units = config_lookup(&plan->config, "units");
     if (*name) {
         RP_TRY(rp_path(&arena, &path, "%.*s%s", slash && *name != '/' ? (int)(slash - file) + 1 : 0, file,
                        name));
-        RP_TRY(rp_prefix(sweep_experiment_open(path, &changes, &plan->experiment, &plan->protocol),
+        RP_TRY(rp_prefix(sweep_experiment_open(path, &h->set, &plan->experiment, &plan->protocol),
                          "%s: experiment: ", file));
         return rename_text(config_lookup(&plan->config, "experiment"), "experiment.cfg", &plan->text);
     }
-    RP_TRY(rp_prefix(sweep_protocol_open(plan->protocol, &changes, &plan->experiment, &plan->protocol),
+    RP_TRY(rp_prefix(sweep_protocol_open(plan->protocol, &h->set, &plan->experiment, &plan->protocol),
                      "%s: ", file));
     if (units && rp_units_now() == RP_SIGMA && h->units != RP_SIGMA)
         return rp_config_fail(units, "units: protocol %s is in sigma, without a unit of length",
@@ -352,14 +344,11 @@ static void append_json(const rp_param *param, const void *values, char *buffer,
              param->name, text);
 }
 
-static void sum_fixed(sweep_plan *plan, const config_setting_t *fixed)
+static void sum_fixed(sweep_plan *plan, const rp_texts *set, const config_setting_t *fixed)
 {
-    const config_setting_t *set = config_lookup(&plan->config, "set");
     strcpy(plan->fixed_json, "{");
-    for (int i = 0; i < length(set); i++) {
-        const char *text = config_setting_get_string_elem(set, i);
-        plan->fixed_hash = rp_hash_add(plan->fixed_hash, XXH3_128bits(text, strlen(text)));
-    }
+    for (size_t i = 0; i < set->n; i++)
+        plan->fixed_hash = rp_hash_add(plan->fixed_hash, XXH3_128bits(set->items[i], strlen(set->items[i])));
     for (const rp_param *p = plan->protocol->schema; p->name; p++) {
         if (sweep_plan_is_axis(plan, p)) continue;
         plan->fixed_hash = rp_hash_add(plan->fixed_hash, rp_params_hash_one(p, plan->at->values));
@@ -416,7 +405,7 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
     RP_TRY(read_axes(plan, fixed));
     RP_TRY(read_fixed(plan, fixed, plan->at->values));
     RP_TRY(find_model(plan));
-    sum_fixed(plan, fixed);
+    sum_fixed(plan, &h.set, fixed);
     for (size_t a = 0; a < plan->n_axes; a++)
         if (plan->axes[a].first) RP_TRY(refuse_twins(plan, a));
     return sweep_plan_replicate(plan, plan->replicas);
