@@ -181,7 +181,7 @@ const char *cli_own_name(const cli_command *command);
 rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, sweep_counts *counts);
 enum { CLI_SNAPSHOT = 60 }; /* seconds of processor time between the snapshots of a run */
 
-/* sweep_export into a table, and into a file, "-": standard output. */
+/* sweep_export into a table (counts may be NULL), and into a file, "-": standard output. */
 rp_status cli_sweep_table(const cli_call *call, const char *dir, unsigned what, rp_table **table,
                           sweep_counts *counts);
 rp_status cli_sweep_export(const cli_call *call, const char *dir, unsigned what, const char *path,

@@ -53,29 +53,30 @@ rp_status cli_sweep_export(const cli_call *call, const char *dir, unsigned what,
     return rp_file_close(path, out, sweep_export(dir, sweep_protocols, what, call->line, counts, out));
 }
 
-rp_status cli_sweep_table(const cli_call *call, const char *dir, unsigned what, rp_table **table,
-                          sweep_counts *counts)
+/* The table of a folder, or that without rows of a sweep's file. */
+static rp_status load(const cli_call *call, const char *dir, const char *file, unsigned what,
+                      rp_table **table, sweep_counts *counts)
 {
     char *text;
     size_t size;
     FILE *out = open_memstream(&text, &size);
-    if (!out) return rp_fail(RP_NO_MEMORY, "%s: out of memory", dir);
-    rp_status status = sweep_export(dir, sweep_protocols, what, call->line, counts, out);
+    if (!out) return rp_fail(RP_NO_MEMORY, "%s: out of memory", dir ? dir : file);
+    const rp_status status = dir ? sweep_export(dir, sweep_protocols, what, call->line, counts, out)
+                                 : sweep_columns(file, sweep_protocols, what, out);
     fclose(out);
     if (status) return free(text), status;
-    return rp_table_load_text(call->arena, dir, text, table);
+    return rp_table_load_text(call->arena, dir ? dir : what == SWEEP_POINTS ? "points" : "runs", text, table);
+}
+
+rp_status cli_sweep_table(const cli_call *call, const char *dir, unsigned what, rp_table **table,
+                          sweep_counts *counts)
+{
+    return load(call, dir, NULL, what, table, counts);
 }
 
 rp_status cli_sweep_columns(const cli_call *call, const char *file, unsigned what, rp_table **table)
 {
-    char *text;
-    size_t size;
-    FILE *out = open_memstream(&text, &size);
-    if (!out) return rp_fail(RP_NO_MEMORY, "%s: out of memory", file);
-    const rp_status status = sweep_columns(file, sweep_protocols, what, out);
-    fclose(out);
-    if (status) return free(text), status;
-    return rp_table_load_text(call->arena, what == SWEEP_POINTS ? "points" : "runs", text, table);
+    return load(call, NULL, file, what, table, NULL);
 }
 
 rp_status cli_claim_sweep(const char *directory, const char *file, bool force)

@@ -23,7 +23,7 @@ typedef union {
     const char *word;
 } slot;
 
-struct sweep_experiment {
+typedef struct {
     sweep_protocol protocol;
     rp_arena arena;
     dem_text text;
@@ -32,15 +32,15 @@ struct sweep_experiment {
     rp_param *schema; /* of lets, then of keys of the scene */
     size_t n_lets, n_params;
     const char **keys;
-};
+} experiment;
 
 static const char COMPUTED[] = "computed";
 
 /* ---- one set of values ---- */
 
-static const sweep_experiment *experiment_of(const void *params)
+static const experiment *experiment_of(const void *params)
 {
-    const sweep_experiment *e;
+    const experiment *e;
     memcpy(&e, params, sizeof e);
     return e;
 }
@@ -48,7 +48,7 @@ static const sweep_experiment *experiment_of(const void *params)
 /* The text with these values of its lets. */
 static rp_status plan_of(const void *params, exp_plan **plan)
 {
-    sweep_experiment *e = (sweep_experiment *)experiment_of(params);
+    experiment *e = (experiment *)experiment_of(params);
     *plan = NULL;
     for (size_t k = e->n_lets; k < e->n_params; k++) {
         char value[64], change[160];
@@ -264,7 +264,7 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long s
 
 /* ---- the text's parameters and outputs ---- */
 
-static rp_status add_let(sweep_experiment *e, const rp_let *let)
+static rp_status add_let(experiment *e, const rp_let *let)
 {
     rp_param *const p = &e->schema[e->n_lets];
     const bool number = let->is.type == RP_X_NUMBER, word = let->is.type == RP_X_WORD;
@@ -294,7 +294,7 @@ static rp_status add_let(sweep_experiment *e, const rp_let *let)
 }
 
 /* A column is told from those that every sweep has, from the columns before it, and from the lets. */
-static rp_status check_output(const sweep_experiment *e, const sweep_output outputs[], size_t k)
+static rp_status check_output(const experiment *e, const sweep_output outputs[], size_t k)
 {
     const char *name = outputs[k].name, *path = e->text.path;
     if (sweep_column_is_taken(name, true))
@@ -309,7 +309,7 @@ static rp_status check_output(const sweep_experiment *e, const sweep_output outp
     return rp_fail(RP_BAD_INPUT, "%s: %s is a let and a column of a measure", path, name);
 }
 
-static rp_status describe(sweep_experiment *e)
+static rp_status describe(experiment *e)
 {
     const rp_lets *lets = &e->text.lets;
     size_t n, n_keys = 0;
@@ -331,7 +331,7 @@ static rp_status describe(sweep_experiment *e)
 }
 
 /* A sweep's folder keeps all that its runs depend on. */
-static rp_status refuse_files(const sweep_experiment *e)
+static rp_status refuse_files(const experiment *e)
 {
     static const char *const keys[] = {"particles_file", "contacts_file"};
     for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) {
@@ -342,13 +342,21 @@ static rp_status refuse_files(const sweep_experiment *e)
     return RP_OK;
 }
 
-/* The text of a protocol, or of the file `path`. */
-static rp_status open_text(const sweep_protocol *of, const char *path, const rp_texts *changes,
-                           sweep_experiment **made, const sweep_protocol **opened)
+/* Allocated by its protocol's opening; of one that is no text NULL. */
+static experiment *open_in(const sweep_protocol *p)
 {
-    sweep_experiment *e = *made = calloc(1, sizeof *e);
-    if (!e || !(path = rp_text(&e->arena, "%s", path)))
-        return rp_fail(RP_NO_MEMORY, "experiment: out of memory");
+    return (experiment *)p->context;
+}
+
+rp_status sweep_protocol_open(const sweep_protocol *of, const char *path, const rp_texts *changes,
+                              const sweep_protocol **opened)
+{
+    static const sweep_protocol any = {.name = "experiment", .about = "a scene with phases and measures"};
+    *opened = of;
+    if (path) of = &any;
+    if (!path && !of->text) return RP_OK;
+    experiment *e = calloc(1, sizeof *e);
+    if (!e) return rp_fail(RP_NO_MEMORY, "experiment: out of memory");
     *opened = &e->protocol;
     e->protocol = (sweep_protocol){.name = of->name,
                                    .about = of->about,
@@ -357,6 +365,8 @@ static rp_status open_text(const sweep_protocol *of, const char *path, const rp_
                                    .fingerprint = fingerprint,
                                    .run = run_one,
                                    .context = e};
+    path = path ? rp_text(&e->arena, "%s", path) : rp_text(&e->arena, "protocol %s", of->name);
+    if (!path) return RP_NO_MEMORY;
     if (!of->text) RP_TRY(rp_file_read(path, &e->bytes));
     RP_TRY(dem_text_open(path, of->text, changes, &e->text));
     if (!exp_has_phases(&e->text))
@@ -366,40 +376,27 @@ static rp_status open_text(const sweep_protocol *of, const char *path, const rp_
     return describe(e);
 }
 
-rp_status sweep_experiment_open(const char *path, const rp_texts *changes, sweep_experiment **made,
-                                const sweep_protocol **opened)
+void sweep_protocol_in(const sweep_protocol *p, rp_units units)
 {
-    static const sweep_protocol any = {.name = "experiment", .about = "a scene with phases and measures"};
-    return open_text(&any, path, changes, made, opened);
-}
-
-rp_status sweep_protocol_open(const sweep_protocol *protocol, const rp_texts *changes,
-                              sweep_experiment **made, const sweep_protocol **opened)
-{
-    char path[64];
-    *made = NULL, *opened = protocol;
-    snprintf(path, sizeof path, "protocol %s", protocol->name);
-    return protocol->text ? open_text(protocol, path, changes, made, opened) : RP_OK;
-}
-
-void sweep_experiment_in(sweep_experiment *e, rp_units units)
-{
-    e->text.lets.foreign |= units != rp_units_now();
+    if (!p->context) return;
+    open_in(p)->text.lets.foreign |= units != rp_units_now();
     rp_units_set(units);
 }
 
-void sweep_experiment_also(sweep_experiment *e, const char *name)
+void sweep_protocol_also(const sweep_protocol *p, const char *name)
 {
+    experiment *e = open_in(p);
     const dem_named_key *k = dem_named_keys;
     while (k->key && strcmp(k->param.name, name) != 0) k++;
-    if (!k->key || rp_params_find(e->schema, name)) return;
+    if (!e || !k->key || rp_params_find(e->schema, name)) return;
     e->schema[e->n_params] = k->param;
     e->schema[e->n_params].offset = sizeof(slot) * (1 + e->n_params);
     e->keys[e->n_params++] = k->key;
 }
 
-void sweep_experiment_close(sweep_experiment *e)
+void sweep_protocol_close(const sweep_protocol *p)
 {
+    experiment *e = p ? open_in(p) : NULL;
     if (!e) return;
     exp_free(e->plan);
     dem_text_close(&e->text);
@@ -408,7 +405,7 @@ void sweep_experiment_close(sweep_experiment *e)
     free(e);
 }
 
-const char *sweep_experiment_text(const sweep_experiment *e)
+const char *sweep_protocol_bytes(const sweep_protocol *p)
 {
-    return e ? e->bytes : NULL;
+    return p->context ? open_in(p)->bytes : NULL;
 }

@@ -117,16 +117,15 @@ static rp_status open_experiment(const char *file, const head *h, sweep_plan *pl
     if (*name) {
         RP_TRY(rp_path(&arena, &path, "%.*s%s", slash && *name != '/' ? (int)(slash - file) + 1 : 0, file,
                        name));
-        RP_TRY(rp_prefix(sweep_experiment_open(path, &h->set, &plan->experiment, &plan->protocol),
+        RP_TRY(rp_prefix(sweep_protocol_open(plan->protocol, path, &h->set, &plan->protocol),
                          "%s: experiment: ", file));
         return rename_text(config_lookup(&plan->config, "experiment"), "experiment.cfg", &plan->text);
     }
-    RP_TRY(rp_prefix(sweep_protocol_open(plan->protocol, &h->set, &plan->experiment, &plan->protocol),
-                     "%s: ", file));
+    RP_TRY(rp_prefix(sweep_protocol_open(plan->protocol, NULL, &h->set, &plan->protocol), "%s: ", file));
     if (units && rp_units_now() == RP_SIGMA && h->units != RP_SIGMA)
         return rp_config_fail(units, "units: protocol %s is in sigma, without a unit of length",
                               plan->protocol->name);
-    if (units) sweep_experiment_in(plan->experiment, (rp_units)h->units);
+    if (units) sweep_protocol_in(plan->protocol, (rp_units)h->units);
     return RP_OK;
 }
 
@@ -134,7 +133,7 @@ static rp_status open_experiment(const char *file, const head *h, sweep_plan *pl
 static rp_status find_param(const sweep_plan *plan, const config_setting_t *setting, const rp_param **param)
 {
     const sweep_protocol *protocol = plan->protocol;
-    if (plan->experiment) sweep_experiment_also(plan->experiment, config_setting_name(setting));
+    sweep_protocol_also(protocol, config_setting_name(setting));
     *param = rp_params_find(protocol->schema, config_setting_name(setting));
     if (*param) return RP_OK;
     char more[64];
@@ -251,24 +250,11 @@ bool sweep_plan_is_axis(const sweep_plan *plan, const rp_param *param)
     return false;
 }
 
-/* A default density is not of every shape. */
-static rp_status check_density(const sweep_plan *plan, const void *values)
-{
-    const rp_param *schema = plan->protocol->schema, *density = rp_params_find(schema, "density"),
-                   *shape = rp_params_find(schema, "shape");
-    int of = DEM_SPHERE;
-    if (!density || !shape) return RP_OK;
-    memcpy(&of, (const char *)values + shape->offset, sizeof of);
-    return dem_density_check((dem_shape)of, sweep_plan_is_axis(plan, density) ||
-                                                config_lookup(&plan->config, "fixed.density") != NULL);
-}
-
 rp_status sweep_plan_check_point(const sweep_plan *plan, const char *file, size_t point)
 {
     char where[256];
     const void *values = sweep_plan_point(plan, point);
     rp_status status = plan->protocol->check(values);
-    if (!status) status = check_density(plan, values);
     if (!status) return RP_OK; /* the only answer for millions of points */
     return rp_prefix(status, "%s: %s%s: ", file, plan->n_axes ? "grid point " : "parameters",
                      sweep_plan_describe(plan, point, where, sizeof where));
@@ -427,7 +413,7 @@ void sweep_plan_free(sweep_plan *plan)
     free(plan->axes);
     free(plan->at);
     free(plan->text);
-    sweep_experiment_close(plan->experiment);
+    sweep_protocol_close(plan->protocol);
     config_destroy(&plan->config);
 }
 

@@ -37,9 +37,8 @@ typedef struct {
     sweep_position *at;
     XXH128_hash_t fixed_hash;                    /* sum over the parameters that no axis varies */
     char model[128], hash[33], fixed_json[4096]; /* the last without its closing brace */
-    char *text;                   /* of the file; with an experiment it names the folder's copy */
-    sweep_experiment *experiment; /* NULL: none */
-    config_t config;              /* owns the texts among the parameters */
+    char *text;      /* of the file; with an experiment it names the folder's copy */
+    config_t config; /* owns the texts among the parameters */
 } sweep_plan;
 
 /* The random streams of a run; `pile` is one number that stands for them. */
@@ -220,9 +219,9 @@ rp_status sweep_folder_read(const char *dir, const sweep_protocol *const *protoc
                             sweep_folder *folder);
 void sweep_folder_close(sweep_folder *folder);
 
-/* Make the runs todo[0..n) and store them. `counts` is what was stored before; in the lock file of the folder
- * drives that failed are counted. */
-rp_status sweep_pool_run(const sweep_folder *folder, const size_t todo[], size_t n,
-                         const sweep_options *options, const sweep_counts *counts);
+/* Make the runs todo[0..n), which is changed, and store them. `counts` is what was stored before; in the lock
+ * file of the folder drives that failed are counted. */
+rp_status sweep_pool_run(const sweep_folder *folder, size_t todo[], size_t n, const sweep_options *options,
+                         const sweep_counts *counts);
 
 #endif

@@ -349,7 +349,7 @@ rp_status sweep_store_write_plan(sweep_store *s, const sweep_plan *plan, const c
                      "BEGIN IMMEDIATE; PRAGMA user_version = %d; CREATE TABLE IF NOT EXISTS sweep"
                      " (name TEXT PRIMARY KEY, value TEXT NOT NULL, sum INTEGER)",
                      SWEEP_FORMAT));
-    if (plan->experiment) RP_TRY(set_aside(s, plan->protocol));
+    if (plan->protocol->context) RP_TRY(set_aside(s, plan->protocol));
     RP_TRY(sweep_store_make_runs(s, "main", plan->protocol));
     RP_TRY(sweep_store_check_outputs(s, "main", s->path, plan->protocol));
     RP_TRY(sweep_store_note(s, "main", "protocol", owner, sizeof owner));
@@ -516,7 +516,7 @@ rp_status sweep_store_count(sweep_store *s, const sweep_plan *plan, sweep_counts
         const size_t runs = (size_t)sqlite3_column_int64(q, 1);
         rp_tally_add(&counts->words, word, strlen(word), (double)runs);
         counts->stored += runs;
-        if (sweep_is_failed(word)) counts->failed += runs;
+        if (!rp_is_result(word)) counts->failed += runs;
     }
     RP_TRY(sweep_sql_finish(s, "count the rows", q));
     q = sweep_sql_query(s,

@@ -66,7 +66,6 @@ typedef struct {
     /* One line on a run that failed, or that is slow, when it is; may be NULL. */
     void (*report)(void *context, const char *format, ...) __attribute__((format(printf, 2, 3)));
     double snapshot; /* processor seconds from one snapshot of a run to the next, in DIR/snapshots; 0: none */
-    const char *snapshots; /* set by sweep_run */
 } sweep_options;
 
 /* What `repose sweep make` reads of a sweep's file, beside the plan: settings derive, trace, model. */

@@ -277,10 +277,9 @@ static rp_status load_of(const making *m, const step *s, cli_call *call, rp_tabl
         rp_table *more;
         const char *name = config_setting_get_string_elem(s->of, i), *folder = m->o->o;
         if (strcmp(name, m->recipe.name) != 0) RP_TRY(rp_path(call->arena, &folder, "%s/%s", beside, name));
-        RP_TRY(rp_prefix(cli_sweep_table(call, folder, SWEEP_RUNS, &more, &(sweep_counts){0}),
+        RP_TRY(rp_prefix(cli_sweep_table(call, folder, SWEEP_RUNS, &more, NULL),
                          "%s reads the runs of %s, which must be made first: ", s->table, name));
-        call->lineage =
-            rp_text(call->arena, "%s# source: %s\n", call->lineage, rp_table_find_note(more, "source"));
+        cli_sources(call, more);
         if (*table) RP_TRY(rp_table_append(*table, more));
         if (!*table) *table = more;
     }
@@ -290,14 +289,9 @@ static rp_status load_of(const making *m, const step *s, cli_call *call, rp_tabl
 static rp_status load_rows(const making *m, const step *s, cli_call *call, rp_table **table)
 {
     const char *path;
-    const bool points = strcmp(s->rows, "points") == 0;
     if (s->of) return load_of(m, s, call, table);
-    if (points || strcmp(s->rows, "runs") == 0) {
-        RP_TRY(cli_sweep_table(call, m->o->o, points ? SWEEP_POINTS : SWEEP_RUNS, table, &(sweep_counts){0}));
-    } else {
-        RP_TRY(rp_path(call->arena, &path, "%s/%s.tsv", m->tables, s->rows));
-        RP_TRY(rp_table_load(call->arena, path, table));
-    }
+    RP_TRY(rp_path(call->arena, &path, "%s/%s.tsv", m->tables, s->rows));
+    RP_TRY(rp_table_load(call->arena, path, table));
     cli_sources(call, *table);
     return RP_OK;
 }
