@@ -4,6 +4,7 @@
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_qrng.h>
+#include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -156,12 +157,6 @@ static rp_status least(search *s, size_t held, double at, double x[], double *ch
 /* Values of a name at which its profile is looked at: over the box, and by its error about the best. */
 enum { NODES = 64, NEAR = 3, ALL_NODES = NODES + 1 + 2 * NEAR + 1 };
 
-static int by_value(const void *a, const void *b)
-{
-    const double *x = a, *y = b;
-    return (*x > *y) - (*x < *y);
-}
-
 static size_t place_nodes(const search *s, size_t p, double best, double se, double at[ALL_NODES])
 {
     static const double near[NEAR] = {1.0, 2.0, 4.0};
@@ -173,7 +168,7 @@ static size_t place_nodes(const search *s, size_t p, double best, double se, dou
         if (x > s->lo[p] && x < s->hi[p]) at[n++] = x;
     }
     at[n++] = best;
-    qsort(at, n, sizeof *at, by_value);
+    gsl_sort(at, 1, n);
     return n;
 }
 

@@ -99,7 +99,7 @@ static rp_status fingerprint(char digits[33])
 /* Tables of a traced run that grow with it, and what has been written of the ends of its phases. */
 typedef struct {
     const sweep_tables *tables; /* NULL: none */
-    const exp_plan *plan;
+    exp_plan *plan;
     exp_run *run;
     unsigned long seed, stream;
     sweep_file energy;
@@ -108,7 +108,7 @@ typedef struct {
 
 static rp_status begin_trace(trace *t)
 {
-    if (!t->tables || !exp_sim(t->run)) return RP_OK;
+    if (!t->tables) return RP_OK;
     RP_TRY(rp_make_directory(t->tables->directory));
     t->passes = calloc(exp_phase_count(t->plan) + 1, sizeof *t->passes);
     if (!t->passes) return rp_fail(RP_NO_MEMORY, "run: out of memory");
@@ -142,24 +142,13 @@ static rp_status note_phase(trace *t, long step)
     return RP_OK;
 }
 
-/* The text of this run, for `repose run`. */
-static rp_status write_text(const void *params, const sweep_tables *tables, unsigned long seed,
-                            unsigned long stream)
+static rp_status write_phases(const trace *t)
 {
     sweep_file f;
-    if (experiment_of(params)->text.lets.foreign) return RP_OK; /* other units than the text's */
-    RP_TRY(sweep_table_open(tables, "scene.cfg", &f));
-    dem_text_write(&experiment_of(params)->text, seed, stream, f.out);
-    return sweep_table_close(&f, RP_OK);
-}
-
-static rp_status write_phases(const exp_plan *plan, const exp_run *run, const sweep_tables *tables)
-{
-    sweep_file f;
-    RP_TRY(sweep_table_open(tables, "phases.tsv", &f));
+    RP_TRY(sweep_table_open(t->tables, "phases.tsv", &f));
     rp_table_header(f.out, "phase, passes, step, time [s]");
-    for (size_t k = 0; k < exp_phase_count(plan); k++) {
-        const exp_passed p = exp_phase_at(run, k);
+    for (size_t k = 0; k < exp_phase_count(t->plan); k++) {
+        const exp_passed p = exp_phase_at(t->run, k);
         char time[32];
         if (p.passes > 0)
             fprintf(f.out, "%s\t%ld\t%ld\t%s\n", p.name, p.passes, p.step,
@@ -168,18 +157,21 @@ static rp_status write_phases(const exp_plan *plan, const exp_run *run, const sw
     return sweep_table_close(&f, RP_OK);
 }
 
-static rp_status write_tables(const exp_plan *plan, const exp_run *run, const sweep_tables *tables)
+static rp_status write_tables(const trace *t, const void *params)
 {
-    if (!tables || !tables->directory || !exp_sim(run)) return RP_OK;
-    RP_TRY(rp_make_directory(tables->directory));
-    for (size_t k = 0; exp_series_name(plan, k); k++) {
-        sweep_file f;
-        RP_TRY(sweep_table_open(tables, exp_series_name(plan, k), &f));
-        exp_series_write(run, k, f.out);
+    sweep_file f;
+    for (size_t k = 0; exp_series_name(t->plan, k); k++) {
+        RP_TRY(sweep_table_open(t->tables, exp_series_name(t->plan, k), &f));
+        exp_series_write(t->run, k, f.out);
         RP_TRY(sweep_table_close(&f, RP_OK));
     }
-    RP_TRY(write_phases(plan, run, tables));
-    return sweep_state_write(tables, exp_sim(run), "end");
+    RP_TRY(write_phases(t));
+    RP_TRY(sweep_state_write(t->tables, exp_sim(t->run), "end"));
+    const dem_text *text = &experiment_of(params)->text; /* of this run, for `repose run` */
+    if (text->lets.foreign) return RP_OK;                /* other units than the text's */
+    RP_TRY(sweep_table_open(t->tables, "scene.cfg", &f));
+    dem_text_write(text, t->seed, t->stream, f.out);
+    return sweep_table_close(&f, RP_OK);
 }
 
 /* Begin with the last end of a phase that another run has left, of a text that is the same up to there. */
@@ -214,52 +206,51 @@ static rp_status go(trace *t, sweep_keep *keep)
     enum { PART = 1000 };
     exp_run *const run = t->run;
     const bool shares = keep && keep->ends && !t->tables && exp_sim(run);
-    const long every = t->tables && exp_sim(run) ? t->tables->every : 0;
-    rp_status status = begin_trace(t);
-    if (!status && shares && keep->source.n == 0) status = begin_with_end(t, keep);
-    if (!status) status = sweep_keep_resume(keep, keep_trace, t);
+    const long every = t->tables ? t->tables->every : 0;
+    RP_TRY(begin_trace(t));
+    if (shares && keep->source.n == 0) RP_TRY(begin_with_end(t, keep));
+    RP_TRY(sweep_keep_resume(keep, keep_trace, t));
     size_t stages = exp_stages(run);
     for (size_t k = 0; k < exp_phase_count(t->plan) && t->passes; k++)
         t->passes[k] = exp_phase_at(run, k).passes;
-    while (!status && !exp_done(run)) {
+    while (!exp_done(run)) {
         const long step = exp_sim(run) ? dem_step(exp_sim(run)) : 0,
                    left = every > 0 ? every - step % every : PART;
-        status = exp_advance(run, left < PART ? left : PART); /* to the next row of energies */
-        if (!status) status = note_phase(t, step);
-        if (!status && shares && exp_stages(run) != stages) status = leave_ends(t, keep);
+        RP_TRY(exp_advance(run, left < PART ? left : PART)); /* to the next row of energies */
+        RP_TRY(note_phase(t, step));
+        if (shares && exp_stages(run) != stages) RP_TRY(leave_ends(t, keep));
         stages = exp_stages(run);
-        if (!status && !exp_done(run)) status = sweep_keep_look(keep);
+        if (!exp_done(run)) RP_TRY(sweep_keep_look(keep));
     }
-    return t->energy.out ? sweep_table_close(&t->energy, status) : status;
+    return t->tables ? sweep_table_close(&t->energy, RP_OK) : RP_OK;
+}
+
+static void end_trace(trace *t)
+{
+    if (t->energy.out) sweep_table_close(&t->energy, RP_BROKEN); /* of a run that failed */
+    free(t->passes);
+    exp_run_free(t->run);
+    exp_free(t->plan);
 }
 
 static rp_status run_one(const void *params, unsigned long seed, unsigned long stream,
                          const sweep_tables *tables, sweep_result *result)
 {
-    exp_plan *plan;
-    exp_run *run = NULL;
+    RP_ENDS(end_trace)
+    trace t = {.tables = tables && tables->directory ? tables : NULL, .seed = seed, .stream = stream};
     size_t n = 0;
     sweep_result_clear(result);
-    rp_status status = plan_of(params, &plan);
-    trace t = {
-        .tables = tables && tables->directory ? tables : NULL, .plan = plan, .seed = seed, .stream = stream};
-    if (!status && t.tables && tables->ledger) exp_keep_ledger(plan);
-    if (!status) status = exp_start(plan, seed, stream, &run);
-    t.run = run;
-    if (!status) status = go(&t, tables ? tables->keep : NULL);
-    if (!status) {
-        const exp_end *end = exp_ended(run);
-        exp_outputs(plan, &n);
-        memcpy(result->values, exp_values(run), n * sizeof *result->values);
-        snprintf(result->status, sizeof result->status, "%s", end->status);
-        snprintf(result->message, sizeof result->message, "%s", end->message);
-        status = write_tables(plan, run, tables);
-        if (!status && t.energy.path) status = write_text(params, tables, seed, stream);
-    }
-    free(t.passes);
-    exp_run_free(run);
-    exp_free(plan);
-    return status;
+    RP_TRY(plan_of(params, &t.plan));
+    if (t.tables && tables->ledger) exp_keep_ledger(t.plan);
+    RP_TRY(exp_start(t.plan, seed, stream, &t.run));
+    if (!exp_sim(t.run)) t.tables = NULL;
+    RP_TRY(go(&t, tables ? tables->keep : NULL));
+    const exp_end *end = exp_ended(t.run);
+    exp_outputs(t.plan, &n);
+    memcpy(result->values, exp_values(t.run), n * sizeof *result->values);
+    snprintf(result->status, sizeof result->status, "%s", end->status);
+    snprintf(result->message, sizeof result->message, "%s", end->message);
+    return t.tables ? write_tables(&t, params) : RP_OK;
 }
 
 /* ---- the text's parameters and outputs ---- */

@@ -265,11 +265,6 @@ typedef struct {
     size_t i;
 } entry;
 
-static int compare_entries(const void *a, const void *b)
-{
-    return XXH128_cmp(a, b); /* the hash comes first */
-}
-
 /* Two grid points of the same parameters would be the same runs: no bundle of lists repeats its values. */
 static rp_status refuse_twins(const sweep_plan *plan, size_t first)
 {
@@ -283,7 +278,7 @@ static rp_status refuse_twins(const sweep_plan *plan, size_t first)
         move_to(plan, i * stride);
         entries[i] = (entry){plan->at->hash, i};
     }
-    qsort(entries, axis->n, sizeof *entries, compare_entries);
+    qsort(entries, axis->n, sizeof *entries, XXH128_cmp); /* the hash comes first */
     rp_status status = RP_OK;
     char where[256];
     for (size_t i = 1; !status && i < axis->n; i++)
