@@ -7,6 +7,8 @@
 #include "core/arena.h"
 #include "table/table.h"
 
+RP_C_BEGIN
+
 /* As `read`, rp_table_read and rp_table_parse; the table is freed with the arena. The system of units becomes
  * that of a table that was read by the second of them. */
 rp_status rp_table_keep(rp_arena *arena, const char *path, rp_status (*read)(const char *, rp_table *),
@@ -86,5 +88,7 @@ void rp_column_unit(const rp_table *table, int column, char unit[32]);
 /* The header of a table whose first columns are those of the list `by` ("none": none), with their units,
  * before its own. Errors: RP_BAD_INPUT. */
 rp_status rp_header_by(const rp_table *table, const char *by, const char *own);
+
+RP_C_END
 
 #endif

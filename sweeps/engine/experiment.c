@@ -303,8 +303,9 @@ static rp_status check_output(const experiment *e, const sweep_output outputs[],
 static rp_status describe(experiment *e)
 {
     const rp_lets *lets = &e->text.lets;
+    sweep_output *outputs;
     size_t n, n_keys = 0;
-    e->protocol.outputs = exp_outputs(e->plan, &n);
+    const exp_output *o = exp_outputs(e->plan, &n);
     if (n > SWEEP_MAX_OUTPUTS)
         return rp_fail(RP_BAD_INPUT, "%s: %zu columns of measures; a sweep has up to %d", e->text.path, n,
                        SWEEP_MAX_OUTPUTS);
@@ -314,7 +315,12 @@ static rp_status describe(experiment *e)
     for (size_t k = 0; k < lets->n; k++) /* a truth or word that is computed is the text's own affair */
         if (!lets->lets[k].computed || lets->lets[k].is.type == RP_X_NUMBER)
             RP_TRY(add_let(e, &lets->lets[k]));
-    for (size_t k = 0; k < n; k++) RP_TRY(check_output(e, e->protocol.outputs, k));
+    RP_NEW(&e->arena, outputs, n);
+    for (size_t k = 0; k < n; k++) {
+        outputs[k] = (sweep_output){o[k].name, o[k].unit, o[k].meaning};
+        RP_TRY(check_output(e, outputs, k));
+    }
+    e->protocol.outputs = outputs;
     e->n_params = e->n_lets;
     e->protocol.schema = e->schema;
     e->protocol.params_size = sizeof(slot) * (1 + e->n_lets + n_keys);

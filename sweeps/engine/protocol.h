@@ -10,7 +10,6 @@
 #include "core/arena.h"
 #include "params/params.h"
 #include "dem/dem.h"
-#include "experiment/modules/module.h"
 #include "stress/stress.h"
 
 RP_C_BEGIN
@@ -18,7 +17,11 @@ RP_C_BEGIN
 enum { SWEEP_MAX_OUTPUTS = 80 };
 
 /* One number that a run yields, a column of the store. */
-typedef exp_output sweep_output;
+typedef struct {
+    const char *name;
+    const char *unit; /* "" where there is none */
+    const char *meaning;
+} sweep_output;
 
 /* What one run yields. `status` is one of the protocol's words, "ok" for a full result; values that the
  * run has no result for are NaN. Wall time is kept apart, by the caller. */
