@@ -14,11 +14,10 @@ const sweep_protocol *protocol_of(const sweep_protocol *protocol)
     static struct {
         const sweep_protocol *of, *open;
     } kept[8];
-    static sweep_experiment *texts[8];
     size_t k = 0;
     while (kept[k].of && kept[k].of != protocol) k++;
     if (kept[k].of) return kept[k].open;
-    CHECK_OK(sweep_protocol_open(protocol, NULL, &texts[k], &kept[k].open));
+    CHECK_OK(sweep_protocol_open(protocol, NULL, NULL, &kept[k].open));
     kept[k].of = protocol;
     return kept[k].open;
 }
@@ -34,7 +33,7 @@ void *protocol_params(const sweep_protocol *protocol, const char *const changes[
             char name[32], value[64];
             int length = 0;
             CU_ASSERT_FATAL(sscanf(c, "%31[^=]=%63[^ ]%n", name, value, &length) == 2 && length > 0);
-            if (protocol->context) sweep_experiment_also((sweep_experiment *)protocol->context, name);
+            sweep_protocol_also(protocol, name);
             const rp_param *param = rp_params_find(protocol->schema, name);
             CU_ASSERT_PTR_NOT_NULL_FATAL(param);
             CHECK_OK(rp_params_set_text(param, params, value));

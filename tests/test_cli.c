@@ -1415,7 +1415,7 @@ static void test_settings(void)
         {DERIVE("compare", "phi_deg = -1.0; "), "phi_deg = -1: out of range"},
         {DERIVE("compare", "o = \"x\"; "), "o: unknown key"},
         {DERIVE("compare", "rows = \"b\"; "), "rows = \"b\": runs, points or an"},
-        {DERIVE("compare", "where = [1]; "), "where: conditions expected"},
+        {DERIVE("compare", "where = [1]; "), "where = 1: text expected"},
         {DERIVE("fit", "x = \"alpha_deg\"; "), "y: missing"},
         {DERIVE("fit", "x = \"alpha_deg\"; y = \"DD\"; "), "a: y: runs: no column"},
         {DERIVE("fit", "rows = \"points\"; x = \"alpha_deg\"; y = \"D\"; "), "a: y: points: no column"},

@@ -501,9 +501,8 @@ static void table_conditions(void)
     RP_ENDS(rp_table_free) rp_table t = {0};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char kept[8] = "";
-        CHECK_OK(
-            read_as("# mu_wall: 7\n# mu: 8 degrees\n#mu: 9\nx\ty\n1\ta\n2\tb\n3\tc\nword\td\nnan\te\n20\tf\n",
-                    rp_table_read, &t));
+        CHECK_OK(read_as(
+            "# mu_wall: 7\n# mu: 8 degrees\n#mu: 9\nx\ty\n1\ta\n2\tb\n3\tc\nword\td\nnan\te\n20\tf\n", &t));
         CHECK_OK(rp_table_where(&t, cases[i][0]));
         for (size_t row = 0; row < t.n_rows && row < 7; row++) {
             kept[row] = *t.cells[row * t.n_columns + 1];

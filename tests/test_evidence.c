@@ -617,7 +617,6 @@ static const sweep_protocol *open_sweep(const char *path, config_t *config)
     CU_ASSERT(config_read_file(config, path));
     static struct {
         const sweep_protocol *of, *open;
-        sweep_experiment *text;
     } kept[8];
     const char *name = "";
     size_t k = 0;
@@ -627,9 +626,9 @@ static const sweep_protocol *open_sweep(const char *path, config_t *config)
     if (!*p) return NULL;
     while (kept[k].of && kept[k].of != *p) k++;
     if (kept[k].of) return kept[k].open;
-    CHECK_OK(sweep_protocol_open(*p, NULL, &kept[k].text, &kept[k].open));
-    for (const dem_named_key *key = dem_named_keys; key->key && kept[k].text; key++)
-        sweep_experiment_also(kept[k].text, key->param.name);
+    CHECK_OK(sweep_protocol_open(*p, NULL, NULL, &kept[k].open));
+    for (const dem_named_key *key = dem_named_keys; key->key; key++)
+        sweep_protocol_also(kept[k].open, key->param.name);
     return kept[k].of = *p, kept[k].open;
 }
 

@@ -215,14 +215,13 @@ static size_t split(const char *text, char words[512], char *word[2 * MAX_SETTIN
 static void check_run(const golden_run *g, unsigned long pile)
 {
     const sweep_protocol *p = find_protocol(g->protocol);
-    sweep_experiment *text;
     CU_ASSERT_PTR_NOT_NULL_FATAL(p);
-    CHECK_OK(sweep_protocol_open(p, NULL, &text, &p));
+    CHECK_OK(sweep_protocol_open(p, NULL, NULL, &p));
     scoped void *params = protocol_params(p, (const char *const[]){NULL});
     sweep_result result;
     char words[512], *word[2 * MAX_SETTINGS];
     for (size_t n = split(g->settings, words, word), k = 0; k < n; k += 2) {
-        if (text) sweep_experiment_also(text, word[k]);
+        sweep_protocol_also(p, word[k]);
         const rp_param *param = rp_params_find(p->schema, word[k]);
         CU_ASSERT_PTR_NOT_NULL_FATAL(param);
         CHECK_OK(rp_params_set_text(param, params, word[k + 1]));
@@ -241,7 +240,7 @@ static void check_run(const golden_run *g, unsigned long pile)
     for (const check_value *a = g->angles; a->name; a++)
         CHECK_NEAR(protocol_output(p, &result, a->name), a->value, ANGLE_TOLERANCE_DEG);
     check_outputs((size_t)(g - runs) + 1, pile, p, &result);
-    sweep_experiment_close(text);
+    sweep_protocol_close(p);
 }
 
 static void test_protocols(void)

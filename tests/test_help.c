@@ -469,9 +469,8 @@ static void test_manual(void)
     }
     title_is("# ", "KEYS AND OUTPUTS OF A SWEEP'S PROTOCOL");
     for (const sweep_protocol *const *each_of = sweep_protocols; *each_of; each_of++) {
-        sweep_experiment *opened;
         const sweep_protocol *p;
-        CHECK_OK(sweep_protocol_open(*each_of, NULL, &opened, &p));
+        CHECK_OK(sweep_protocol_open(*each_of, NULL, NULL, &p));
         title_is("## Protocol ", p->name);
         lines_are(p->about);
         schema_is(p->schema);
@@ -481,7 +480,7 @@ static void test_manual(void)
             snprintf(text, sizeof text, *o->unit ? "%s, %s" : "%s", o->meaning, o->unit);
             item_is("", o->name, text);
         }
-        sweep_experiment_close(opened);
+        sweep_protocol_close(p);
     }
     title_is("# ", "EXIT STATUS");
 #define X(name, code, text) item_is("", #code, text);
@@ -653,11 +652,10 @@ static void experiment_lines(bool si)
 
 static void opened_lines(const sweep_protocol *p, bool si)
 {
-    sweep_experiment *text;
-    CHECK_OK(sweep_protocol_open(p, NULL, &text, &p));
-    if (text) sweep_experiment_in(text, si ? RP_SI : RP_CGS);
+    CHECK_OK(sweep_protocol_open(p, NULL, NULL, &p));
+    sweep_protocol_in(p, si ? RP_SI : RP_CGS);
     protocol_lines(p, si);
-    sweep_experiment_close(text);
+    sweep_protocol_close(p);
     rp_units_set(si ? RP_SI : RP_CGS);
 }
 
@@ -728,15 +726,14 @@ static void test_params_json(void)
         row_now = 0;
         rp_units_set(si ? RP_SI : RP_CGS);
         for (const sweep_protocol *const *p = sweep_protocols; *p && k < 2; p++) {
-            sweep_experiment *text;
             const sweep_protocol *opened;
-            CHECK_OK(sweep_protocol_open(*p, NULL, &text, &opened));
-            if (text) sweep_experiment_in(text, si ? RP_SI : RP_CGS);
+            CHECK_OK(sweep_protocol_open(*p, NULL, NULL, &opened));
+            sweep_protocol_in(opened, si ? RP_SI : RP_CGS);
             schema_rows(opened->name, "parameter", opened->schema, si);
             for (const sweep_output *o = opened->outputs; o->name; o++)
                 row_is((const char *[]){opened->name, "output", o->name, or_dash(rp_unit(o->unit)), "real",
                                         "-", "-", o->meaning});
-            sweep_experiment_close(text);
+            sweep_protocol_close(opened);
             rp_units_set(si ? RP_SI : RP_CGS);
         }
         for (const dem_scene_group *g = dem_scene_schemas; g->name; g++)

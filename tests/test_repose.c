@@ -208,14 +208,13 @@ static void test_keys_of_the_scene(void)
         {"dt", "2e-5"},       {"normal", "linear"},    {"tension", "false"},     {"tangential", "slip_roll"},
         {"k_s", "9000"},      {"gamma_s", "7"},        {"damping", "inside"},    {"k_roll", "5"},
         {"gamma_roll", "6"},  {"rolling", "constant"}, {"rolling_arm", "radius"}};
-    sweep_experiment *text;
     const sweep_protocol *open;
     size_t n = 0, left = 0;
     for (; n < sizeof others / sizeof *others; n++) {
         XXH128_hash_t hash[2];
-        CHECK_OK(sweep_protocol_open(&sweep_protocol_repose, NULL, &text, &open));
+        CHECK_OK(sweep_protocol_open(&sweep_protocol_repose, NULL, NULL, &open));
         CU_ASSERT_PTR_NULL(rp_params_find(open->schema, others[n].name));
-        sweep_experiment_also(text, others[n].name);
+        sweep_protocol_also(open, others[n].name);
         const rp_param *p = rp_params_find(open->schema, others[n].name);
         CU_ASSERT_PTR_NOT_NULL_FATAL(p);
         scoped void *params = protocol_params(open, (const char *const[]){NULL});
@@ -227,12 +226,12 @@ static void test_keys_of_the_scene(void)
         if (!works) fprintf(stderr, "%s = %s: %s\n", others[n].name, others[n].value, rp_message());
         CU_ASSERT_FATAL(works);
         CU_ASSERT(!XXH128_isEqual(hash[0], hash[1]));
-        sweep_experiment_close(text);
+        sweep_protocol_close(open);
     }
-    CHECK_OK(sweep_protocol_open(&sweep_protocol_repose, NULL, &text, &open));
+    CHECK_OK(sweep_protocol_open(&sweep_protocol_repose, NULL, NULL, &open));
     for (const dem_named_key *k = dem_named_keys; k->key; k++)
         left += !rp_params_find(open->schema, k->param.name);
-    sweep_experiment_close(text);
+    sweep_protocol_close(open);
     CU_ASSERT_EQUAL(left,
                     n + 3); /* restitution excludes gamma_n, its speed needs it, mu_roll needs rotation */
 }

@@ -543,11 +543,7 @@ static void no_snapshot(void)
 {
     char why[32] = "an old reason";
     sweep_keep keep = {.path = in_folder("none"), .key = "test", .interval = 1.0};
-    sweep_keep_begin(&keep, true, why, sizeof why);
-    CU_ASSERT_STRING_EQUAL(why, "");
-    sweep_keep_end(&keep, true);
-    strcpy(why, "an old reason");
-    sweep_keep_begin(&keep, false, why, sizeof why);
+    sweep_keep_begin(&keep, why, sizeof why);
     CU_ASSERT_STRING_EQUAL(why, "");
     sweep_keep_end(&keep, true);
 }
@@ -571,7 +567,7 @@ static int run_killed(const sweep_protocol *protocol, const void *params, double
             char why[256];
             sweep_keep keep = {.path = path, .key = "test", .interval = 0.1 * seconds};
             setitimer(ITIMER_PROF, &(struct itimerval){.it_value = {micro / 1000000, micro % 1000000}}, NULL);
-            sweep_keep_begin(&keep, true, why, sizeof why);
+            sweep_keep_begin(&keep, why, sizeof why);
             rp_status ended =
                 *why ? RP_BROKEN : protocol->run(params, 7, 1, &(sweep_tables){.keep = &keep}, shared);
             sweep_keep_end(&keep, ended == RP_OK);
@@ -599,7 +595,7 @@ static void stop_at_once(const sweep_protocol *protocol, const void *params)
     sweep_result result;
     snprintf(path, sizeof path, "%s", in_folder("snapshot"));
     sweep_keep keep = {.path = path, .key = "test", .interval = INFINITY, .stop = &stop};
-    sweep_keep_begin(&keep, false, why, sizeof why);
+    sweep_keep_begin(&keep, why, sizeof why);
     CU_ASSERT(protocol->run(params, 7, 1, &(sweep_tables){.keep = &keep}, &result) == RP_STOPPED);
     sweep_keep_end(&keep, false);
 }

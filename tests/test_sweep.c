@@ -271,7 +271,7 @@ static void test_order(void)
             "piles = \"shared\"; grid = { x = [0.125, 2.385]; k = (5, \"auto\"); };");
     CU_ASSERT(c.planned == 12 && c.points == 4 && c.replicas == 3 && c.stored == 0);
     CHECK_OK(run(2));
-    CU_ASSERT(c.stored == 12 && c.failed == 0 && c.n_words == 2);
+    CU_ASSERT(c.stored == 12 && c.failed == 0 && c.words.n == 2);
     scoped_table t = exported(SWEEP_RUNS);
     CU_ASSERT_FATAL(t.n_rows == 12);
     static const char *const names[] = {"run",  "status", "x",     "k",      "replica",
@@ -598,10 +598,10 @@ static void test_crash(void)
 {
     planned("protocol = \"toy\"; replicas = 10; piles = \"shared\"; fixed = { mode = \"crash\"; };");
     CHECK_FAILS(run(2), RP_NO_RESULT, "3 of 10 runs were aborted (crashed 3); the same command retries them");
-    CU_ASSERT(c.stored == 10 && c.failed == 3 && c.words[0].runs == 3);
+    CU_ASSERT(c.stored == 10 && c.failed == 3 && c.words.of[0].times == 3.0);
     CHECK_FAILS(sweep_digest(dir, toys, (char[33]){0}, &(size_t){0}), RP_NO_RESULT,
                 ": 3 of 10 runs were aborted");
-    CU_ASSERT_STRING_EQUAL(c.words[0].status, "crashed");
+    CU_ASSERT_STRING_EQUAL(c.words.of[0].word, "crashed");
     CU_ASSERT(
         sql_number("SELECT count(*) FROM runs WHERE status = 'crashed' AND run % 3 = 1 AND y_deg IS NULL"
                    " AND message = 'worker ended by signal 6 (Aborted)'") == 3);
@@ -1137,10 +1137,10 @@ static bool holds(FILE *table, const char *text)
     return fread(all, 1, sizeof all - 1, table) == strlen(text) && strcmp(all, text) == 0;
 }
 
-static void begin_keep(sweep_keep *k, const char *path, const char *key, bool look, char why[256])
+static void begin_keep(sweep_keep *k, const char *path, const char *key, char why[256])
 {
     *k = (sweep_keep){.path = path, .key = key, .interval = 1e9};
-    sweep_keep_begin(k, look, why, 256);
+    sweep_keep_begin(k, why, 256);
 }
 
 /* What the snapshots of the test hold. */
@@ -1167,7 +1167,7 @@ static void test_keep(void)
     snprintf(path, sizeof path, "%s/kept", base);
     snprintf(unfinished, sizeof unfinished, "%s.new", path);
     fputs("two rows\n", now.table);
-    begin_keep(&k, path, "run 5", true, why);
+    begin_keep(&k, path, "run 5", why);
     CU_ASSERT(!*why);
     CHECK_OK(sweep_keep_resume(NULL, keep_both, &now));
     CHECK_OK(sweep_keep_resume(&k, keep_both, &now));
@@ -1181,14 +1181,11 @@ static void test_keep(void)
     CHECK_FAILS(sweep_keep_look(&k), RP_STOPPED, "stopped");
     sweep_keep_end(&k, false);
     fputs("a row that is not there yet\n", later.table);
-    begin_keep(&k, path, "run 6", true, why);
+    begin_keep(&k, path, "run 6", why);
     CU_ASSERT(*why);
     CHECK_OK(sweep_keep_resume(&k, keep_both, &later));
     CU_ASSERT(later.value == 0.0);
-    begin_keep(&k, path, "run 5", false, why);
-    CHECK_OK(sweep_keep_resume(&k, keep_both, &later));
-    CU_ASSERT(!*why && later.value == 0.0);
-    begin_keep(&k, path, "run 5", true, why);
+    begin_keep(&k, path, "run 5", why);
     CHECK_OK(sweep_keep_resume(&k, keep_both, &later));
     CU_ASSERT(!*why && later.value == 3.5 && holds(later.table, "two rows\n"));
     CHECK_OK(sweep_keep_look(&k));

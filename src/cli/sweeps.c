@@ -42,8 +42,8 @@ void cli_print_counts(const sweep_counts *counts)
     if (sweep_count_aborted(counts) > 0)
         rp_table_note(stdout, "aborted", "%zu, to be tried again", sweep_count_aborted(counts));
     rp_table_columns(stdout, 2, (const char *const[][2]){{"status", ""}, {"runs", ""}});
-    for (size_t i = 0; i < counts->n_words; i++)
-        printf("%s\t%zu\n", counts->words[i].status, counts->words[i].runs);
+    for (size_t i = 0; i < counts->words.n; i++)
+        printf("%s\t%.0f\n", counts->words.of[i].word, counts->words.of[i].times);
 }
 
 rp_status cli_sweep_export(const cli_call *call, const char *dir, unsigned what, const char *path,

@@ -158,6 +158,11 @@ rp_status rp_config_value(const config_setting_t *setting, const rp_param *param
 {
     rp_value value;
     char path[PATH_BYTES];
+    if (param->type == RP_TEXTS && (config_setting_is_list(setting) || config_setting_is_array(setting))) {
+        for (int i = 0; i < config_setting_length(setting); i++)
+            RP_TRY(rp_config_value(config_setting_get_elem(setting, (unsigned)i), param, values));
+        return RP_OK;
+    }
     if (rp_config_scalar(setting, &value) != RP_OK)
         return rp_config_fail(setting, "%s%s: one value expected, not a %s",
                               path_within(config_setting_parent(setting), path), param->name,

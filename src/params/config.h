@@ -33,7 +33,7 @@ rp_status rp_config_group(const config_setting_t *group, const rp_param *schema,
 rp_status rp_config_unknown(const config_setting_t *setting, const rp_param *schema,
                             const char *const *others, const char *more);
 
-/* Store one setting in its parameter. Errors: RP_BAD_INPUT. */
+/* Store one setting in its parameter, a list of texts in one of RP_TEXTS. Errors: RP_BAD_INPUT. */
 rp_status rp_config_value(const config_setting_t *setting, const rp_param *param, void *values);
 
 /* Write "name = value; " for each parameter of a schema, as rp_config_group reads it back to the same bits.

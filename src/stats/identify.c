@@ -4,6 +4,7 @@
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_qrng.h>
+#include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -66,15 +67,6 @@ static bool in_box(const search *s, size_t i)
     return in;
 }
 
-/* By the first so many of the terms, of which a row of T has all. */
-static rp_status fit_form(stats_linear *fit, const search *s, const double T[], double X[], size_t terms,
-                          form *f)
-{
-    for (size_t i = 0; i < fit->n * terms; i++) X[i] = T[i / terms * s->n_terms + i % terms];
-    fit->p = f->n_terms = terms, fit->c = f->c, fit->covariance = f->covariance;
-    return stats_linear_fit(fit);
-}
-
 /* Least squares over the points of the box that have the number. The variance of one run is that of runs at
  * equal points, pooled. Of one name, there are fewer powers where these do as well (chi2 + 2 for each), or
  * where there are few points. */
@@ -104,8 +96,11 @@ static rp_status fit_number(search *s, size_t k)
     for (size_t i = 0; i < n; i++) weights += w[i];
     stats_linear fit = {.n = n, .X = X, .y = y, .w = w, .tolerance = 1e-12};
     for (size_t terms = all < n ? all : n - 1; terms >= least_terms; terms--) {
-        form less;
-        RP_TRY(fit_form(&fit, s, T, X, terms, &less));
+        form less = {.n_terms = terms};
+        for (size_t i = 0; i < n * terms; i++)
+            X[i] = T[i / terms * all + i % terms]; /* the first of each row */
+        fit.p = terms, fit.c = less.c, fit.covariance = less.covariance;
+        RP_TRY(stats_linear_fit(&fit));
         if (fit.chi2 + 2.0 * (double)terms < chi2 + 2.0 * (double)f->n_terms) *f = less, chi2 = fit.chi2;
         if (one == 0.0) break; /* chi2 has no unit */
     }
@@ -162,12 +157,6 @@ static rp_status least(search *s, size_t held, double at, double x[], double *ch
 /* Values of a name at which its profile is looked at: over the box, and by its error about the best. */
 enum { NODES = 64, NEAR = 3, ALL_NODES = NODES + 1 + 2 * NEAR + 1 };
 
-static int by_value(const void *a, const void *b)
-{
-    const double *x = a, *y = b;
-    return (*x > *y) - (*x < *y);
-}
-
 static size_t place_nodes(const search *s, size_t p, double best, double se, double at[ALL_NODES])
 {
     static const double near[NEAR] = {1.0, 2.0, 4.0};
@@ -179,7 +168,7 @@ static size_t place_nodes(const search *s, size_t p, double best, double se, dou
         if (x > s->lo[p] && x < s->hi[p]) at[n++] = x;
     }
     at[n++] = best;
-    qsort(at, n, sizeof *at, by_value);
+    gsl_sort(at, 1, n);
     return n;
 }
 

@@ -23,7 +23,7 @@ typedef union {
     const char *word;
 } slot;
 
-struct sweep_experiment {
+typedef struct {
     sweep_protocol protocol;
     rp_arena arena;
     dem_text text;
@@ -32,15 +32,15 @@ struct sweep_experiment {
     rp_param *schema; /* of lets, then of keys of the scene */
     size_t n_lets, n_params;
     const char **keys;
-};
+} experiment;
 
 static const char COMPUTED[] = "computed";
 
 /* ---- one set of values ---- */
 
-static const sweep_experiment *experiment_of(const void *params)
+static const experiment *experiment_of(const void *params)
 {
-    const sweep_experiment *e;
+    const experiment *e;
     memcpy(&e, params, sizeof e);
     return e;
 }
@@ -48,7 +48,7 @@ static const sweep_experiment *experiment_of(const void *params)
 /* The text with these values of its lets. */
 static rp_status plan_of(const void *params, exp_plan **plan)
 {
-    sweep_experiment *e = (sweep_experiment *)experiment_of(params);
+    experiment *e = (experiment *)experiment_of(params);
     *plan = NULL;
     for (size_t k = e->n_lets; k < e->n_params; k++) {
         char value[64], change[160];
@@ -99,7 +99,7 @@ static rp_status fingerprint(char digits[33])
 /* Tables of a traced run that grow with it, and what has been written of the ends of its phases. */
 typedef struct {
     const sweep_tables *tables; /* NULL: none */
-    const exp_plan *plan;
+    exp_plan *plan;
     exp_run *run;
     unsigned long seed, stream;
     sweep_file energy;
@@ -108,7 +108,7 @@ typedef struct {
 
 static rp_status begin_trace(trace *t)
 {
-    if (!t->tables || !exp_sim(t->run)) return RP_OK;
+    if (!t->tables) return RP_OK;
     RP_TRY(rp_make_directory(t->tables->directory));
     t->passes = calloc(exp_phase_count(t->plan) + 1, sizeof *t->passes);
     if (!t->passes) return rp_fail(RP_NO_MEMORY, "run: out of memory");
@@ -142,24 +142,13 @@ static rp_status note_phase(trace *t, long step)
     return RP_OK;
 }
 
-/* The text of this run, for `repose run`. */
-static rp_status write_text(const void *params, const sweep_tables *tables, unsigned long seed,
-                            unsigned long stream)
+static rp_status write_phases(const trace *t)
 {
     sweep_file f;
-    if (experiment_of(params)->text.lets.foreign) return RP_OK; /* other units than the text's */
-    RP_TRY(sweep_table_open(tables, "scene.cfg", &f));
-    dem_text_write(&experiment_of(params)->text, seed, stream, f.out);
-    return sweep_table_close(&f, RP_OK);
-}
-
-static rp_status write_phases(const exp_plan *plan, const exp_run *run, const sweep_tables *tables)
-{
-    sweep_file f;
-    RP_TRY(sweep_table_open(tables, "phases.tsv", &f));
+    RP_TRY(sweep_table_open(t->tables, "phases.tsv", &f));
     rp_table_header(f.out, "phase, passes, step, time [s]");
-    for (size_t k = 0; k < exp_phase_count(plan); k++) {
-        const exp_passed p = exp_phase_at(run, k);
+    for (size_t k = 0; k < exp_phase_count(t->plan); k++) {
+        const exp_passed p = exp_phase_at(t->run, k);
         char time[32];
         if (p.passes > 0)
             fprintf(f.out, "%s\t%ld\t%ld\t%s\n", p.name, p.passes, p.step,
@@ -168,18 +157,21 @@ static rp_status write_phases(const exp_plan *plan, const exp_run *run, const sw
     return sweep_table_close(&f, RP_OK);
 }
 
-static rp_status write_tables(const exp_plan *plan, const exp_run *run, const sweep_tables *tables)
+static rp_status write_tables(const trace *t, const void *params)
 {
-    if (!tables || !tables->directory || !exp_sim(run)) return RP_OK;
-    RP_TRY(rp_make_directory(tables->directory));
-    for (size_t k = 0; exp_series_name(plan, k); k++) {
-        sweep_file f;
-        RP_TRY(sweep_table_open(tables, exp_series_name(plan, k), &f));
-        exp_series_write(run, k, f.out);
+    sweep_file f;
+    for (size_t k = 0; exp_series_name(t->plan, k); k++) {
+        RP_TRY(sweep_table_open(t->tables, exp_series_name(t->plan, k), &f));
+        exp_series_write(t->run, k, f.out);
         RP_TRY(sweep_table_close(&f, RP_OK));
     }
-    RP_TRY(write_phases(plan, run, tables));
-    return sweep_state_write(tables, exp_sim(run), "end");
+    RP_TRY(write_phases(t));
+    RP_TRY(sweep_state_write(t->tables, exp_sim(t->run), "end"));
+    const dem_text *text = &experiment_of(params)->text; /* of this run, for `repose run` */
+    if (text->lets.foreign) return RP_OK;                /* other units than the text's */
+    RP_TRY(sweep_table_open(t->tables, "scene.cfg", &f));
+    dem_text_write(text, t->seed, t->stream, f.out);
+    return sweep_table_close(&f, RP_OK);
 }
 
 /* Begin with the last end of a phase that another run has left, of a text that is the same up to there. */
@@ -214,57 +206,56 @@ static rp_status go(trace *t, sweep_keep *keep)
     enum { PART = 1000 };
     exp_run *const run = t->run;
     const bool shares = keep && keep->ends && !t->tables && exp_sim(run);
-    const long every = t->tables && exp_sim(run) ? t->tables->every : 0;
-    rp_status status = begin_trace(t);
-    if (!status && shares && keep->source.n == 0) status = begin_with_end(t, keep);
-    if (!status) status = sweep_keep_resume(keep, keep_trace, t);
+    const long every = t->tables ? t->tables->every : 0;
+    RP_TRY(begin_trace(t));
+    if (shares && keep->source.n == 0) RP_TRY(begin_with_end(t, keep));
+    RP_TRY(sweep_keep_resume(keep, keep_trace, t));
     size_t stages = exp_stages(run);
     for (size_t k = 0; k < exp_phase_count(t->plan) && t->passes; k++)
         t->passes[k] = exp_phase_at(run, k).passes;
-    while (!status && !exp_done(run)) {
+    while (!exp_done(run)) {
         const long step = exp_sim(run) ? dem_step(exp_sim(run)) : 0,
                    left = every > 0 ? every - step % every : PART;
-        status = exp_advance(run, left < PART ? left : PART); /* to the next row of energies */
-        if (!status) status = note_phase(t, step);
-        if (!status && shares && exp_stages(run) != stages) status = leave_ends(t, keep);
+        RP_TRY(exp_advance(run, left < PART ? left : PART)); /* to the next row of energies */
+        RP_TRY(note_phase(t, step));
+        if (shares && exp_stages(run) != stages) RP_TRY(leave_ends(t, keep));
         stages = exp_stages(run);
-        if (!status && !exp_done(run)) status = sweep_keep_look(keep);
+        if (!exp_done(run)) RP_TRY(sweep_keep_look(keep));
     }
-    return t->energy.out ? sweep_table_close(&t->energy, status) : status;
+    return t->tables ? sweep_table_close(&t->energy, RP_OK) : RP_OK;
+}
+
+static void end_trace(trace *t)
+{
+    if (t->energy.out) sweep_table_close(&t->energy, RP_BROKEN); /* of a run that failed */
+    free(t->passes);
+    exp_run_free(t->run);
+    exp_free(t->plan);
 }
 
 static rp_status run_one(const void *params, unsigned long seed, unsigned long stream,
                          const sweep_tables *tables, sweep_result *result)
 {
-    exp_plan *plan;
-    exp_run *run = NULL;
+    RP_ENDS(end_trace)
+    trace t = {.tables = tables && tables->directory ? tables : NULL, .seed = seed, .stream = stream};
     size_t n = 0;
     sweep_result_clear(result);
-    rp_status status = plan_of(params, &plan);
-    trace t = {
-        .tables = tables && tables->directory ? tables : NULL, .plan = plan, .seed = seed, .stream = stream};
-    if (!status && t.tables && tables->ledger) exp_keep_ledger(plan);
-    if (!status) status = exp_start(plan, seed, stream, &run);
-    t.run = run;
-    if (!status) status = go(&t, tables ? tables->keep : NULL);
-    if (!status) {
-        const exp_end *end = exp_ended(run);
-        exp_outputs(plan, &n);
-        memcpy(result->values, exp_values(run), n * sizeof *result->values);
-        snprintf(result->status, sizeof result->status, "%s", end->status);
-        snprintf(result->message, sizeof result->message, "%s", end->message);
-        status = write_tables(plan, run, tables);
-        if (!status && t.energy.path) status = write_text(params, tables, seed, stream);
-    }
-    free(t.passes);
-    exp_run_free(run);
-    exp_free(plan);
-    return status;
+    RP_TRY(plan_of(params, &t.plan));
+    if (t.tables && tables->ledger) exp_keep_ledger(t.plan);
+    RP_TRY(exp_start(t.plan, seed, stream, &t.run));
+    if (!exp_sim(t.run)) t.tables = NULL;
+    RP_TRY(go(&t, tables ? tables->keep : NULL));
+    const exp_end *end = exp_ended(t.run);
+    exp_outputs(t.plan, &n);
+    memcpy(result->values, exp_values(t.run), n * sizeof *result->values);
+    snprintf(result->status, sizeof result->status, "%s", end->status);
+    snprintf(result->message, sizeof result->message, "%s", end->message);
+    return t.tables ? write_tables(&t, params) : RP_OK;
 }
 
 /* ---- the text's parameters and outputs ---- */
 
-static rp_status add_let(sweep_experiment *e, const rp_let *let)
+static rp_status add_let(experiment *e, const rp_let *let)
 {
     rp_param *const p = &e->schema[e->n_lets];
     const bool number = let->is.type == RP_X_NUMBER, word = let->is.type == RP_X_WORD;
@@ -294,7 +285,7 @@ static rp_status add_let(sweep_experiment *e, const rp_let *let)
 }
 
 /* A column is told from those that every sweep has, from the columns before it, and from the lets. */
-static rp_status check_output(const sweep_experiment *e, const sweep_output outputs[], size_t k)
+static rp_status check_output(const experiment *e, const sweep_output outputs[], size_t k)
 {
     const char *name = outputs[k].name, *path = e->text.path;
     if (sweep_column_is_taken(name, true))
@@ -309,7 +300,7 @@ static rp_status check_output(const sweep_experiment *e, const sweep_output outp
     return rp_fail(RP_BAD_INPUT, "%s: %s is a let and a column of a measure", path, name);
 }
 
-static rp_status describe(sweep_experiment *e)
+static rp_status describe(experiment *e)
 {
     const rp_lets *lets = &e->text.lets;
     sweep_output *outputs;
@@ -321,23 +312,23 @@ static rp_status describe(sweep_experiment *e)
     while (dem_named_keys[n_keys].key) n_keys++;
     RP_NEW(&e->arena, e->schema, lets->n + n_keys + 1);
     RP_NEW(&e->arena, e->keys, lets->n + n_keys);
-    RP_NEW(&e->arena, outputs, n);
     for (size_t k = 0; k < lets->n; k++) /* a truth or word that is computed is the text's own affair */
         if (!lets->lets[k].computed || lets->lets[k].is.type == RP_X_NUMBER)
             RP_TRY(add_let(e, &lets->lets[k]));
+    RP_NEW(&e->arena, outputs, n);
     for (size_t k = 0; k < n; k++) {
         outputs[k] = (sweep_output){o[k].name, o[k].unit, o[k].meaning};
         RP_TRY(check_output(e, outputs, k));
     }
+    e->protocol.outputs = outputs;
     e->n_params = e->n_lets;
     e->protocol.schema = e->schema;
     e->protocol.params_size = sizeof(slot) * (1 + e->n_lets + n_keys);
-    e->protocol.outputs = outputs;
     return RP_OK;
 }
 
 /* A sweep's folder keeps all that its runs depend on. */
-static rp_status refuse_files(const sweep_experiment *e)
+static rp_status refuse_files(const experiment *e)
 {
     static const char *const keys[] = {"particles_file", "contacts_file"};
     for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) {
@@ -348,13 +339,21 @@ static rp_status refuse_files(const sweep_experiment *e)
     return RP_OK;
 }
 
-/* The text of a protocol, or of the file `path`. */
-static rp_status open_text(const sweep_protocol *of, const char *path, const rp_texts *changes,
-                           sweep_experiment **made, const sweep_protocol **opened)
+/* Allocated by its protocol's opening; of one that is no text NULL. */
+static experiment *open_in(const sweep_protocol *p)
 {
-    sweep_experiment *e = *made = calloc(1, sizeof *e);
-    if (!e || !(path = rp_text(&e->arena, "%s", path)))
-        return rp_fail(RP_NO_MEMORY, "experiment: out of memory");
+    return (experiment *)p->context;
+}
+
+rp_status sweep_protocol_open(const sweep_protocol *of, const char *path, const rp_texts *changes,
+                              const sweep_protocol **opened)
+{
+    static const sweep_protocol any = {.name = "experiment", .about = "a scene with phases and measures"};
+    *opened = of;
+    if (path) of = &any;
+    if (!path && !of->text) return RP_OK;
+    experiment *e = calloc(1, sizeof *e);
+    if (!e) return rp_fail(RP_NO_MEMORY, "experiment: out of memory");
     *opened = &e->protocol;
     e->protocol = (sweep_protocol){.name = of->name,
                                    .about = of->about,
@@ -363,6 +362,8 @@ static rp_status open_text(const sweep_protocol *of, const char *path, const rp_
                                    .fingerprint = fingerprint,
                                    .run = run_one,
                                    .context = e};
+    path = path ? rp_text(&e->arena, "%s", path) : rp_text(&e->arena, "protocol %s", of->name);
+    if (!path) return RP_NO_MEMORY;
     if (!of->text) RP_TRY(rp_file_read(path, &e->bytes));
     RP_TRY(dem_text_open(path, of->text, changes, &e->text));
     if (!exp_has_phases(&e->text))
@@ -372,40 +373,27 @@ static rp_status open_text(const sweep_protocol *of, const char *path, const rp_
     return describe(e);
 }
 
-rp_status sweep_experiment_open(const char *path, const rp_texts *changes, sweep_experiment **made,
-                                const sweep_protocol **opened)
+void sweep_protocol_in(const sweep_protocol *p, rp_units units)
 {
-    static const sweep_protocol any = {.name = "experiment", .about = "a scene with phases and measures"};
-    return open_text(&any, path, changes, made, opened);
-}
-
-rp_status sweep_protocol_open(const sweep_protocol *protocol, const rp_texts *changes,
-                              sweep_experiment **made, const sweep_protocol **opened)
-{
-    char path[64];
-    *made = NULL, *opened = protocol;
-    snprintf(path, sizeof path, "protocol %s", protocol->name);
-    return protocol->text ? open_text(protocol, path, changes, made, opened) : RP_OK;
-}
-
-void sweep_experiment_in(sweep_experiment *e, rp_units units)
-{
-    e->text.lets.foreign |= units != rp_units_now();
+    if (!p->context) return;
+    open_in(p)->text.lets.foreign |= units != rp_units_now();
     rp_units_set(units);
 }
 
-void sweep_experiment_also(sweep_experiment *e, const char *name)
+void sweep_protocol_also(const sweep_protocol *p, const char *name)
 {
+    experiment *e = open_in(p);
     const dem_named_key *k = dem_named_keys;
     while (k->key && strcmp(k->param.name, name) != 0) k++;
-    if (!k->key || rp_params_find(e->schema, name)) return;
+    if (!e || !k->key || rp_params_find(e->schema, name)) return;
     e->schema[e->n_params] = k->param;
     e->schema[e->n_params].offset = sizeof(slot) * (1 + e->n_params);
     e->keys[e->n_params++] = k->key;
 }
 
-void sweep_experiment_close(sweep_experiment *e)
+void sweep_protocol_close(const sweep_protocol *p)
 {
+    experiment *e = p ? open_in(p) : NULL;
     if (!e) return;
     exp_free(e->plan);
     dem_text_close(&e->text);
@@ -414,7 +402,7 @@ void sweep_experiment_close(sweep_experiment *e)
     free(e);
 }
 
-const char *sweep_experiment_text(const sweep_experiment *e)
+const char *sweep_protocol_bytes(const sweep_protocol *p)
 {
-    return e ? e->bytes : NULL;
+    return p->context ? open_in(p)->bytes : NULL;
 }

@@ -16,12 +16,11 @@ static uint64_t layout(void)
     return XXH3_64bits_withSeed(rp_build_commit, strlen(rp_build_commit), dem_keep_layout());
 }
 
-void sweep_keep_begin(sweep_keep *k, bool look, char *why, size_t size)
+void sweep_keep_begin(sweep_keep *k, char *why, size_t size)
 {
     k->next = rp_cpu_clock() + k->interval;
-    if (size > 0) *why = '\0';
-    if (!look || access(k->path, F_OK) != 0 ||
-        rp_snapshot_read(&k->source, k->path, k->key, layout()) == RP_OK)
+    *why = '\0';
+    if (access(k->path, F_OK) != 0 || rp_snapshot_read(&k->source, k->path, k->key, layout()) == RP_OK)
         return;
     snprintf(why, size, "%s", rp_message());
     rp_snapshot_free(&k->source);

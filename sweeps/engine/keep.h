@@ -20,10 +20,10 @@ typedef struct sweep_keep {
     void *data;
 } sweep_keep;
 
-/* Prepare for a run whose path, key, interval and stop are set: with `look`, read its snapshot if there is a
- * good one, else the run starts anew. `why` gets the reason why one was refused, or "". sweep_keep_end
- * follows; it removes the file if the run is done. */
-void sweep_keep_begin(sweep_keep *k, bool look, char *why, size_t size);
+/* Prepare for a run whose path, key, interval and stop are set: read its snapshot if there is a good one,
+ * else the run starts anew. `why` gets the reason why one was refused, or "". sweep_keep_end follows; it
+ * removes the file if the run is done. */
+void sweep_keep_begin(sweep_keep *k, char *why, size_t size);
 void sweep_keep_end(sweep_keep *k, bool done);
 
 /* Is this the name of a snapshot, or of one in the making? */

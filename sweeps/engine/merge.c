@@ -10,18 +10,17 @@ static rp_status check_source(sweep_store *s, const sweep_plan *plan, const char
 {
     char owner[64], model[128];
     long long format;
-    rp_status status = sweep_sql_number(s, "PRAGMA source.user_version", &format);
-    if (!status && format != SWEEP_FORMAT)
+    RP_TRY(rp_prefix(sweep_sql_number(s, "PRAGMA source.user_version", &format), "%s: ", path));
+    if (format != SWEEP_FORMAT)
         return rp_fail(RP_BAD_INPUT, "%s: format %lld, not %d", path, format, SWEEP_FORMAT);
-    if (!status) status = sweep_store_note(s, "source", "protocol", owner, sizeof owner);
-    if (!status) status = sweep_store_note(s, "source", "model", model, sizeof model);
-    if (!status && strcmp(owner, plan->protocol->name) != 0)
+    RP_TRY(rp_prefix(sweep_store_note(s, "source", "protocol", owner, sizeof owner), "%s: ", path));
+    RP_TRY(rp_prefix(sweep_store_note(s, "source", "model", model, sizeof model), "%s: ", path));
+    if (strcmp(owner, plan->protocol->name) != 0)
         return rp_fail(RP_BAD_INPUT, "%s: holds runs of protocol \"%s\", not \"%s\"", path, owner,
                        plan->protocol->name);
-    if (!status && strcmp(model, plan->model) != 0)
+    if (strcmp(model, plan->model) != 0)
         return rp_fail(RP_BAD_INPUT, "%s: made by another model of the physics (%s), not by this one (%s)",
                        path, model, plan->model);
-    RP_TRY(rp_prefix(status, "%s: ", path));
     return sweep_store_check_outputs(s, "source", path, plan->protocol);
 }
 
@@ -137,12 +136,10 @@ rp_status sweep_store_merge(sweep_store *s, const sweep_plan *plan, size_t n, ch
     long long before, after;
     RP_TRY(sweep_store_unite(s, plan, n, paths, true, found));
     RP_TRY(sweep_sql_number(s, "SELECT count(*) FROM main.runs WHERE run IS NOT NULL", &before));
-    rp_status status = sweep_sql(s, "merge the stores", "BEGIN IMMEDIATE");
-    if (!status) status = sweep_store_drop_crashed(s);
-    if (!status) status = copy_rows(s, plan, "temp", "main", " WHERE run IS NOT NULL");
-    if (!status) status = sweep_sql(s, "merge the stores", "COMMIT");
-    if (status) sqlite3_exec(s->db, "ROLLBACK", NULL, NULL, NULL);
-    RP_TRY(status);
+    RP_TRY(sweep_sql(s, "merge the stores", "BEGIN IMMEDIATE"));
+    RP_TRY(sweep_store_drop_crashed(s));
+    RP_TRY(copy_rows(s, plan, "temp", "main", " WHERE run IS NOT NULL"));
+    RP_TRY(sweep_sql(s, "merge the stores", "COMMIT"));
     RP_TRY(sweep_sql_number(s, "SELECT count(*) FROM main.runs WHERE run IS NOT NULL", &after));
     found->taken = (size_t)(after - before);
     return RP_OK;
@@ -179,19 +176,21 @@ static rp_status copy_whole_rows(sweep_store *s, const sweep_plan *plan, sweep_s
     return status;
 }
 
+static void close_damaged(sweep_store *damaged)
+{
+    sqlite3_close(damaged->db);
+}
+
 rp_status sweep_store_salvage(sweep_store *s, const sweep_plan *plan, const char *path, size_t *n)
 {
-    sweep_store damaged = {0};
+    RP_ENDS(close_damaged) sweep_store damaged = {0};
     snprintf(damaged.path, sizeof damaged.path, "%s", path);
-    rp_status status = sqlite3_open_v2(path, &damaged.db, SQLITE_OPEN_READWRITE, NULL) == SQLITE_OK
-                           ? RP_OK
-                           : sweep_sql_fail(&damaged, "open the damaged store");
+    if (sqlite3_open_v2(path, &damaged.db, SQLITE_OPEN_READWRITE, NULL) != SQLITE_OK)
+        return sweep_sql_fail(&damaged, "open the damaged store");
     /* so told, SQLite reads a file that is shorter than its header says */
-    if (!status) status = sweep_sql(&damaged, "open the damaged store", "PRAGMA writable_schema = ON");
-    if (!status) status = sweep_sql(s, "write the store", "BEGIN IMMEDIATE");
-    if (!status) status = copy_whole_rows(s, plan, &damaged, n);
-    if (!status) status = sweep_store_number(s, plan, NULL);
-    if (!status) status = sweep_sql(s, "write the store", "COMMIT");
-    sqlite3_close(damaged.db);
-    return status;
+    RP_TRY(sweep_sql(&damaged, "open the damaged store", "PRAGMA writable_schema = ON"));
+    RP_TRY(sweep_sql(s, "write the store", "BEGIN IMMEDIATE"));
+    RP_TRY(copy_whole_rows(s, plan, &damaged, n));
+    RP_TRY(sweep_store_number(s, plan, NULL));
+    return sweep_sql(s, "write the store", "COMMIT");
 }

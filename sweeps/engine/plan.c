@@ -19,6 +19,7 @@ typedef struct {
     bool zip;
     int piles, units;
     const char *experiment;
+    rp_texts set;
 } head;
 
 /* Of what a sweep's file has runs: a protocol, or an experiment. */
@@ -59,14 +60,16 @@ static rp_status read_head(const char *file, const config_setting_t *root,
          "random streams: every run its own, or replica k of every grid point the same"},
         {"units", "", RP_CHOICE, offsetof(head, units), "cgs", RP_UNITS_WORDS,
          "of the numbers here and of the tables; without it those of the protocol's text"},
+        {"set", "", RP_TEXTS, offsetof(head, set), "", "", "KEY=VALUE: changes of the experiment"},
         {0}};
     RP_TRY(refuse_scene(file, root));
     if (!sweep_names_runs(root)) /* the root has no line to point at */
         return rp_fail(RP_BAD_INPUT, "%s: protocol or experiment: missing (kind of experiment), allowed: %s",
                        file, names);
+    *h = (head){0};
     rp_params_defaults(schema, h);
     rp_status status = rp_config_group(
-        root, schema, h, (const char *const[]){"fixed", "grid", "derive", "trace", "model", "set", NULL});
+        root, schema, h, (const char *const[]){"fixed", "grid", "derive", "trace", "model", NULL});
     rp_units_set((rp_units)h->units);
     if (status) return status;
     const bool text = *h->experiment || protocols[h->protocol]->text;
@@ -109,32 +112,20 @@ static const config_setting_t *element(const config_setting_t *group, size_t i)
 static rp_status open_experiment(const char *file, const head *h, sweep_plan *plan)
 {
     RP_SCOPE(arena);
-    rp_texts changes = {0};
     const char *const name = h->experiment, *path, *slash = strrchr(file, '/');
-    const config_setting_t *set = config_lookup(&plan->config, "set"),
-                           *units = config_lookup(&plan->config, "units");
-    if (set && !config_setting_is_list(set) && !config_setting_is_array(set))
-        return rp_config_fail(set, "set: a list [ \"key=value\" ] expected");
-    for (int i = 0; i < length(set); i++) {
-        const char *text = config_setting_get_string_elem(set, i);
-        if (!text || changes.n == sizeof changes.items / sizeof *changes.items)
-            return rp_config_fail(set, "set: up to %zu texts \"key=value\" expected",
-                                  sizeof changes.items / sizeof *changes.items);
-        changes.items[changes.n++] = text;
-    }
+    const config_setting_t *units = config_lookup(&plan->config, "units");
     if (*name) {
         RP_TRY(rp_path(&arena, &path, "%.*s%s", slash && *name != '/' ? (int)(slash - file) + 1 : 0, file,
                        name));
-        RP_TRY(rp_prefix(sweep_experiment_open(path, &changes, &plan->experiment, &plan->protocol),
+        RP_TRY(rp_prefix(sweep_protocol_open(plan->protocol, path, &h->set, &plan->protocol),
                          "%s: experiment: ", file));
         return rename_text(config_lookup(&plan->config, "experiment"), "experiment.cfg", &plan->text);
     }
-    RP_TRY(rp_prefix(sweep_protocol_open(plan->protocol, &changes, &plan->experiment, &plan->protocol),
-                     "%s: ", file));
+    RP_TRY(rp_prefix(sweep_protocol_open(plan->protocol, NULL, &h->set, &plan->protocol), "%s: ", file));
     if (units && rp_units_now() == RP_SIGMA && h->units != RP_SIGMA)
         return rp_config_fail(units, "units: protocol %s is in sigma, without a unit of length",
                               plan->protocol->name);
-    if (units) sweep_experiment_in(plan->experiment, (rp_units)h->units);
+    if (units) sweep_protocol_in(plan->protocol, (rp_units)h->units);
     return RP_OK;
 }
 
@@ -142,7 +133,7 @@ static rp_status open_experiment(const char *file, const head *h, sweep_plan *pl
 static rp_status find_param(const sweep_plan *plan, const config_setting_t *setting, const rp_param **param)
 {
     const sweep_protocol *protocol = plan->protocol;
-    if (plan->experiment) sweep_experiment_also(plan->experiment, config_setting_name(setting));
+    sweep_protocol_also(protocol, config_setting_name(setting));
     *param = rp_params_find(protocol->schema, config_setting_name(setting));
     if (*param) return RP_OK;
     char more[64];
@@ -259,24 +250,11 @@ bool sweep_plan_is_axis(const sweep_plan *plan, const rp_param *param)
     return false;
 }
 
-/* A default density is not of every shape. */
-static rp_status check_density(const sweep_plan *plan, const void *values)
-{
-    const rp_param *schema = plan->protocol->schema, *density = rp_params_find(schema, "density"),
-                   *shape = rp_params_find(schema, "shape");
-    int of = DEM_SPHERE;
-    if (!density || !shape) return RP_OK;
-    memcpy(&of, (const char *)values + shape->offset, sizeof of);
-    return dem_density_check((dem_shape)of, sweep_plan_is_axis(plan, density) ||
-                                                config_lookup(&plan->config, "fixed.density") != NULL);
-}
-
 rp_status sweep_plan_check_point(const sweep_plan *plan, const char *file, size_t point)
 {
     char where[256];
     const void *values = sweep_plan_point(plan, point);
     rp_status status = plan->protocol->check(values);
-    if (!status) status = check_density(plan, values);
     if (!status) return RP_OK; /* the only answer for millions of points */
     return rp_prefix(status, "%s: %s%s: ", file, plan->n_axes ? "grid point " : "parameters",
                      sweep_plan_describe(plan, point, where, sizeof where));
@@ -286,11 +264,6 @@ typedef struct {
     XXH128_hash_t hash;
     size_t i;
 } entry;
-
-static int compare_entries(const void *a, const void *b)
-{
-    return XXH128_cmp(a, b); /* the hash comes first */
-}
 
 /* Two grid points of the same parameters would be the same runs: no bundle of lists repeats its values. */
 static rp_status refuse_twins(const sweep_plan *plan, size_t first)
@@ -305,7 +278,7 @@ static rp_status refuse_twins(const sweep_plan *plan, size_t first)
         move_to(plan, i * stride);
         entries[i] = (entry){plan->at->hash, i};
     }
-    qsort(entries, axis->n, sizeof *entries, compare_entries);
+    qsort(entries, axis->n, sizeof *entries, XXH128_cmp); /* the hash comes first */
     rp_status status = RP_OK;
     char where[256];
     for (size_t i = 1; !status && i < axis->n; i++)
@@ -352,14 +325,11 @@ static void append_json(const rp_param *param, const void *values, char *buffer,
              param->name, text);
 }
 
-static void sum_fixed(sweep_plan *plan, const config_setting_t *fixed)
+static void sum_fixed(sweep_plan *plan, const rp_texts *set, const config_setting_t *fixed)
 {
-    const config_setting_t *set = config_lookup(&plan->config, "set");
     strcpy(plan->fixed_json, "{");
-    for (int i = 0; i < length(set); i++) {
-        const char *text = config_setting_get_string_elem(set, i);
-        plan->fixed_hash = rp_hash_add(plan->fixed_hash, XXH3_128bits(text, strlen(text)));
-    }
+    for (size_t i = 0; i < set->n; i++)
+        plan->fixed_hash = rp_hash_add(plan->fixed_hash, XXH3_128bits(set->items[i], strlen(set->items[i])));
     for (const rp_param *p = plan->protocol->schema; p->name; p++) {
         if (sweep_plan_is_axis(plan, p)) continue;
         plan->fixed_hash = rp_hash_add(plan->fixed_hash, rp_params_hash_one(p, plan->at->values));
@@ -416,7 +386,7 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
     RP_TRY(read_axes(plan, fixed));
     RP_TRY(read_fixed(plan, fixed, plan->at->values));
     RP_TRY(find_model(plan));
-    sum_fixed(plan, fixed);
+    sum_fixed(plan, &h.set, fixed);
     for (size_t a = 0; a < plan->n_axes; a++)
         if (plan->axes[a].first) RP_TRY(refuse_twins(plan, a));
     return sweep_plan_replicate(plan, plan->replicas);
@@ -438,7 +408,7 @@ void sweep_plan_free(sweep_plan *plan)
     free(plan->axes);
     free(plan->at);
     free(plan->text);
-    sweep_experiment_close(plan->experiment);
+    sweep_protocol_close(plan->protocol);
     config_destroy(&plan->config);
 }
 

@@ -37,16 +37,10 @@ static const double TICK = 0.25, PATIENCE = 60.0, GRACE = 10.0, SLOW = 600.0, SH
 static const double MANY = 100.0; /* times the median run: worth a line */
 
 typedef struct {
-    size_t run;
-    unsigned char tries; /* that failed */
-    bool kept;           /* there may be a snapshot of an earlier try or drive */
-} task;
-
-typedef struct {
     pid_t pid;
     int socket; /* -1: no process */
-    task tasks[BATCH];
-    size_t n;         /* of the tasks; it is at the first */
+    size_t runs[BATCH];
+    size_t n;         /* of the runs; it is at the first */
     bool reported;    /* as slow */
     double elapsed;   /* of the run that it is busy with, to a tick; s */
     double cpu, idle; /* processor time so far, and since when it has been the same; s */
@@ -55,11 +49,13 @@ typedef struct {
 typedef struct {
     const sweep_plan *plan;
     sweep_store *store;
-    /* The queue is a ring: `waiting` tasks from todo[next] on. */
-    task *todo;
+    /* The queue is a ring: `waiting` runs from todo[next] on. */
+    size_t *todo;
+    unsigned char *tries; /* of each run: those that failed */
     size_t n_todo, next, waiting, finished;
     bool careful; /* after a drive that failed, each row is committed by itself */
     const sweep_options *options;
+    const char *snapshots; /* folder; NULL: none */
     sweep_progress progress;
     double start, last_tick;
     double pace, samples[SAMPLES]; /* s a run: lately, and of the last ones */
@@ -73,15 +69,14 @@ typedef struct {
 static void snapshot_of(const pool *p, size_t run, char key[33], char path[4096])
 {
     sweep_plan_key(p->plan, run, key);
-    snprintf(path, 4096, "%s/%s", p->options->snapshots, key);
+    snprintf(path, 4096, "%s/%s", p->snapshots, key);
 }
 
-/* A stored run needs no snapshot, once its row is committed. A shorter one has never written any. */
-static rp_status remove_snapshot(const pool *p, const task *t, double seconds)
+/* A stored run needs no snapshot, once its row is committed. */
+static rp_status remove_snapshot(const pool *p, size_t run)
 {
     char key[33], path[4096];
-    if (!t->kept && seconds < 0.5 * p->options->snapshot) return RP_OK;
-    snapshot_of(p, t->run, key, path);
+    snapshot_of(p, run, key, path);
     if (access(path, F_OK) != 0) return RP_OK;
     RP_TRY(sweep_store_commit(p->store));
     sweep_keep_remove(path);
@@ -89,21 +84,20 @@ static rp_status remove_snapshot(const pool *p, const task *t, double seconds)
 }
 
 /* Make a run, from its snapshot if there is one; a snapshot that is refused is named in the row. */
-static rp_status make(const pool *p, const task *t, sweep_result *result)
+static rp_status make(const pool *p, size_t run, sweep_result *result)
 {
     const sweep_plan *plan = p->plan;
-    const size_t run = t->run;
     char key[33], path[4096], why[sizeof result->message] = "";
     sweep_keep keep = {.path = path,
                        .key = key,
                        .interval = p->options->snapshot,
                        .stop = p->stop,
-                       .ends = plan->shared_piles ? p->options->snapshots : NULL};
+                       .ends = plan->shared_piles ? p->snapshots : NULL};
     const sweep_tables kept = {.keep = &keep};
-    const bool keeps = p->options->snapshots != NULL;
+    const bool keeps = p->snapshots != NULL;
     if (keeps) {
         snapshot_of(p, run, key, path);
-        sweep_keep_begin(&keep, t->kept, why, sizeof why);
+        sweep_keep_begin(&keep, why, sizeof why);
     }
     const rp_status status = sweep_plan_run(plan, run, keeps ? &kept : NULL, result);
     if (keeps) sweep_keep_end(&keep, false);
@@ -125,12 +119,12 @@ static void limit_memory(double mb)
 }
 
 /* Make a run and give its row back; false if that is this worker's end. */
-static bool make_row(const pool *p, const task *t, int socket)
+static bool make_row(const pool *p, size_t run, int socket)
 {
-    sweep_row row = {.run = t->run};
+    sweep_row row = {.run = run};
     const double start = rp_clock();
     sweep_result_clear(&row.result);
-    row.status = make(p, t, &row.result);
+    row.status = make(p, run, &row.result);
     row.seconds = rp_clock() - start;
     if (row.status == RP_STOPPED) return false;
     if (row.status) snprintf(row.result.message, sizeof row.result.message, "%s", rp_message());
@@ -140,13 +134,13 @@ static bool make_row(const pool *p, const task *t, int socket)
 /* The life of a worker. It ends when the parent does. */
 static void work(const pool *p, int socket)
 {
-    task tasks[BATCH];
+    size_t runs[BATCH];
     ssize_t n;
     bool goes_on = true;
     if (isnormal(p->options->memory)) limit_memory(p->options->memory);
-    while (goes_on && (n = recv(socket, tasks, sizeof tasks, 0)) > 0)
-        for (size_t i = 0; goes_on && i < (size_t)n / sizeof *tasks; i++)
-            goes_on = make_row(p, &tasks[i], socket);
+    while (goes_on && (n = recv(socket, runs, sizeof runs, 0)) > 0)
+        for (size_t i = 0; goes_on && i < (size_t)n / sizeof *runs; i++)
+            goes_on = make_row(p, runs[i], socket);
     _exit(0);
 }
 
@@ -197,16 +191,16 @@ static rp_status hand_out(pool *p, worker *w)
     if (w->n > 0 || p->waiting == 0) return RP_OK;
     if (w->socket < 0) RP_TRY(start_worker(p, w));
     while (w->n < most && p->waiting > 0) {
-        w->tasks[w->n++] = p->todo[p->next];
+        w->runs[w->n++] = p->todo[p->next];
         p->next = (p->next + 1) % p->n_todo;
         p->waiting--;
     }
     w->elapsed = w->idle = 0.0;
     w->reported = false;
     /* a dead worker is noticed by its closed socket */
-    if (send(w->socket, w->tasks, w->n * sizeof *w->tasks, MSG_NOSIGNAL) < 0 && errno != EPIPE &&
+    if (send(w->socket, w->runs, w->n * sizeof *w->runs, MSG_NOSIGNAL) < 0 && errno != EPIPE &&
         errno != ECONNRESET)
-        return rp_fail(RP_IO, "cannot hand out run %zu: %s", w->tasks->run, strerror(errno));
+        return rp_fail(RP_IO, "cannot hand out run %zu: %s", w->runs[0], strerror(errno));
     return RP_OK;
 }
 
@@ -240,31 +234,26 @@ static const char *name_run(const pool *p, size_t run, char *buffer, size_t size
     return buffer;
 }
 
-static void put_back(pool *p, task t)
+static void put_back(pool *p, size_t run)
 {
-    p->todo[(p->next + p->waiting++) % p->n_todo] = t;
+    p->todo[(p->next + p->waiting++) % p->n_todo] = run;
 }
 
 /* A run failed, and not because of its physics: its worker is ended, and the run is tried again after all
  * others, or stored as `word`. So are the other runs of its batch. */
 static rp_status give_up(pool *p, worker *w, const char *word, const char *cause)
 {
-    task t = w->tasks[0];
-    const bool again = strcmp(word, "crashed") == 0 && t.tries + 1 < MOST_TRIES;
+    const size_t run = w->runs[0];
+    const bool again = strcmp(word, "crashed") == 0 && ++p->tries[run] < MOST_TRIES;
     char name[320];
-    sweep_row row = {.run = t.run, .seconds = w->elapsed};
+    sweep_row row = {.run = run, .seconds = w->elapsed};
     if (w->socket >= 0) end_worker(w);
-    for (size_t i = 1; i < w->n; i++) put_back(p, w->tasks[i]);
+    for (size_t i = 1; i < w->n; i++) put_back(p, w->runs[i]);
     w->n = 0;
     if (p->options->report)
-        p->options->report(p->options->context, "%s: %s; %s", name_run(p, t.run, name, sizeof name), cause,
+        p->options->report(p->options->context, "%s: %s; %s", name_run(p, run, name, sizeof name), cause,
                            again ? "goes to the end of the queue" : word);
-    if (again) {
-        t.tries++;
-        t.kept = true;
-        put_back(p, t);
-        return RP_OK;
-    }
+    if (again) return put_back(p, run), RP_OK;
     sweep_result_clear(&row.result);
     sweep_conclude(&row.result, word, "%s", cause);
     return store_row(p, &row);
@@ -290,14 +279,13 @@ static rp_status take_row(pool *p, worker *w, sweep_row *row)
         end_worker(w); /* which may be at the next run */
         return give_up(p, w, "no_memory", row->result.message);
     }
-    const task t = w->tasks[0];
-    memmove(w->tasks, w->tasks + 1, --w->n * sizeof *w->tasks);
+    memmove(w->runs, w->runs + 1, --w->n * sizeof *w->runs);
     w->elapsed = 0.0;
     w->reported = false;
     if (row->status)
         return rp_fail(row->status, "%s: %s", name_run(p, row->run, name, sizeof name), row->result.message);
     RP_TRY(store_row(p, row));
-    return p->options->snapshots ? remove_snapshot(p, &t, row->seconds) : RP_OK;
+    return p->snapshots ? remove_snapshot(p, row->run) : RP_OK;
 }
 
 /* A busy worker has spoken or died: store its runs. */
@@ -344,7 +332,7 @@ static void report_slow(const pool *p, worker *w)
     p->options->report(p->options->context,
                        "%s: at work for %.3g s, the median of the others is %.3g s; a limit (--time) ends "
                        "such runs",
-                       name_run(p, w->tasks->run, name, sizeof name), w->elapsed, median(p));
+                       name_run(p, w->runs[0], name, sizeof name), w->elapsed, median(p));
 }
 
 /* End runs beyond the limit of time, and workers that no longer get on: stopped, or waiting for what never
@@ -450,30 +438,21 @@ static void begin_drive(pool *p, int lock)
         p->next = (size_t)(fmod(0.618 * failed, 1.0) * (double)p->n_todo);
 }
 
-/* A snapshot may be there of any run if there is one at all. free. */
-static task *make_tasks(const size_t runs[], size_t n, const char *snapshots)
-{
-    task *tasks = calloc(n, sizeof *tasks);
-    rp_paths left = {0};
-    const bool kept = snapshots && (rp_paths_in(&left, snapshots, sweep_keep_is_name) || left.n > 0);
-    rp_paths_free(&left);
-    for (size_t i = 0; tasks && i < n; i++) tasks[i] = (task){.run = runs[i], .kept = kept};
-    return tasks;
-}
-
-rp_status sweep_pool_run(const sweep_folder *folder, const size_t todo[], size_t n,
-                         const sweep_options *options, const sweep_counts *counts)
+rp_status sweep_pool_run(const sweep_folder *folder, size_t todo[], size_t n, const sweep_options *options,
+                         const sweep_counts *counts)
 {
     const int lock = folder->lock;
     pool p = {.plan = &folder->plan,
               .store = folder->store,
-              .todo = make_tasks(todo, n, options->snapshots),
+              .todo = todo,
+              .tries = calloc(folder->plan.n_runs, 1),
               .n_todo = n,
               .waiting = n,
               .options = options,
+              .snapshots = isnormal(options->snapshot) ? folder->snapshots : NULL,
               .start = rp_clock()};
     p.last_tick = p.start;
-    if (!p.todo) return rp_fail(RP_NO_MEMORY, "workers: out of memory");
+    if (!p.tries) return rp_fail(RP_NO_MEMORY, "workers: out of memory");
     begin_drive(&p, lock);
     p.progress = (sweep_progress){counts->planned, counts->stored, counts->failed, 0.0, NAN};
     p.n_workers = (size_t)options->workers < n ? (size_t)options->workers : n;
@@ -491,7 +470,7 @@ rp_status sweep_pool_run(const sweep_folder *folder, const size_t todo[], size_t
     close(p.signals);
     sigprocmask(SIG_SETMASK, &before, NULL);
     if (!status || status == RP_STOPPED) (void)!ftruncate(lock, 0); /* an orderly end */
-    free(p.todo);
+    free(p.tries);
     return status;
 }
 
@@ -505,24 +484,33 @@ static bool is_aborted(const char *status)
 size_t sweep_count_aborted(const sweep_counts *counts)
 {
     size_t n = 0;
-    for (size_t i = 0; i < counts->n_words; i++)
-        if (is_aborted(counts->words[i].status)) n += counts->words[i].runs;
+    for (size_t i = 0; i < counts->words.n; i++)
+        if (is_aborted(counts->words.of[i].word)) n += (size_t)counts->words.of[i].times;
     return n;
+}
+
+bool sweep_is_failed(const char *status)
+{
+    return !rp_is_result(status);
+}
+
+const char *sweep_words(const rp_tally *words, bool (*wanted)(const char *status), char text[1024])
+{
+    *text = '\0';
+    for (size_t i = 0, used = 0; i < words->n; i++)
+        if (wanted(words->of[i].word))
+            used += (size_t)snprintf(text + used, 1024 - used, "%s%s %.0f", used ? ", " : "",
+                                     words->of[i].word, words->of[i].times);
+    return text;
 }
 
 rp_status sweep_check_aborted(const sweep_counts *counts)
 {
+    char text[1024];
     const size_t n = sweep_count_aborted(counts);
-    char text[128] = "";
-    size_t used = 0;
-    for (size_t i = 0; i < counts->n_words; i++) {
-        if (!is_aborted(counts->words[i].status)) continue;
-        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s %zu", used ? ", " : "",
-                                 counts->words[i].status, counts->words[i].runs);
-    }
     return n == 0 ? RP_OK
                   : rp_fail(RP_NO_RESULT, "%zu of %zu runs were aborted (%s); the same command retries them",
-                            n, counts->planned, text);
+                            n, counts->planned, sweep_words(&counts->words, is_aborted, text));
 }
 
 rp_status sweep_check_whole(const char *dir, const sweep_counts *counts)

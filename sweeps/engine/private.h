@@ -37,9 +37,8 @@ typedef struct {
     sweep_position *at;
     XXH128_hash_t fixed_hash;                    /* sum over the parameters that no axis varies */
     char model[128], hash[33], fixed_json[4096]; /* the last without its closing brace */
-    char *text;                   /* of the file; with an experiment it names the folder's copy */
-    sweep_experiment *experiment; /* NULL: none */
-    config_t config;              /* owns the texts among the parameters */
+    char *text;      /* of the file; with an experiment it names the folder's copy */
+    config_t config; /* owns the texts among the parameters */
 } sweep_plan;
 
 /* The random streams of a run; `pile` is one number that stands for them. */
@@ -47,12 +46,15 @@ typedef struct {
     unsigned long seed, run, pile;
 } sweep_stream;
 
-/* One finished run. */
+/* One finished run; what the store has besides follows from the plan. */
 typedef struct {
     size_t run;
     rp_status status; /* what the protocol returned; its message is in result.message */
     double seconds;
     sweep_result result;
+    char key[33];
+    const char *program, *parameters;
+    sqlite3_int64 seed, model, pile;
 } sweep_row;
 
 /* One SQLite file; see store.c. */
@@ -164,7 +166,7 @@ rp_status sweep_store_visit(sweep_store *store, const sweep_plan *plan,
 rp_status sweep_sql_fail(const sweep_store *store, const char *what);
 rp_status sweep_sql(sweep_store *store, const char *what, const char *format, ...);
 rp_status sweep_sql_text(sweep_store *store, const char *what, sqlite3_str *text);
-sqlite3_stmt *sweep_sql_query(sweep_store *store, const char *sql);
+sqlite3_stmt *sweep_sql_query(sweep_store *store, const char *format, ...);
 sqlite3_stmt *sweep_sql_query_text(sweep_store *store, sqlite3_str *text);
 rp_status sweep_sql_finish(sweep_store *store, const char *what, sqlite3_stmt *query);
 rp_status sweep_sql_number(sweep_store *store, const char *sql, long long *number);
@@ -217,9 +219,9 @@ rp_status sweep_folder_read(const char *dir, const sweep_protocol *const *protoc
                             sweep_folder *folder);
 void sweep_folder_close(sweep_folder *folder);
 
-/* Make the runs todo[0..n) and store them. `counts` is what was stored before; in the lock file of the folder
- * drives that failed are counted. */
-rp_status sweep_pool_run(const sweep_folder *folder, const size_t todo[], size_t n,
-                         const sweep_options *options, const sweep_counts *counts);
+/* Make the runs todo[0..n), which is changed, and store them. `counts` is what was stored before; in the lock
+ * file of the folder drives that failed are counted. */
+rp_status sweep_pool_run(const sweep_folder *folder, size_t todo[], size_t n, const sweep_options *options,
+                         const sweep_counts *counts);
 
 #endif

@@ -29,18 +29,17 @@ rp_status sweep_conclude(sweep_result *result, const char *status, const char *f
 rp_status sweep_table_open(const sweep_tables *t, const char *name, sweep_file *file)
 {
     *file = (sweep_file){.out = NULL};
-    rp_status status = rp_path(&file->memory, &file->path, "%s/%s", t->directory, name);
-    if (!status) status = rp_file_open(file->path, &file->out);
-    if (status)
-        rp_arena_release(&file->memory, NULL);
-    else
-        t->header(t->context, file->out);
-    return status;
+    RP_TRY(rp_path(&file->memory, &file->path, "%s/%s", t->directory, name));
+    const rp_status status = rp_file_open(file->path, &file->out);
+    if (status) return rp_arena_release(&file->memory, NULL), status;
+    t->header(t->context, file->out);
+    return RP_OK;
 }
 
 rp_status sweep_table_close(sweep_file *file, rp_status keep)
 {
     const rp_status status = rp_file_close(file->path, file->out, keep);
+    file->out = NULL;
     rp_arena_release(&file->memory, NULL);
     return status;
 }

@@ -94,13 +94,10 @@ static rp_status find_digest(const sweep_plan *plan, sweep_store *store, digeste
 /* "8 of 15 (no_pile 6, overlap 2)": runs without a result, and why. */
 static void note_failed(const sweep_counts *counts, FILE *out)
 {
-    char causes[SWEEP_MAX_WORDS * 40] = "";
-    size_t n = 0;
-    for (size_t i = 0; i < counts->n_words; i++)
-        if (!rp_is_result(counts->words[i].status))
-            n += (size_t)snprintf(causes + n, sizeof causes - n, "%s%s %zu", n ? ", " : " (",
-                                  counts->words[i].status, counts->words[i].runs);
-    rp_table_note(out, "failed", "%zu of %zu%s%s", counts->failed, counts->stored, causes, n ? ")" : "");
+    char causes[1024];
+    sweep_words(&counts->words, sweep_is_failed, causes);
+    rp_table_note(out, "failed", *causes ? "%zu of %zu (%s)" : "%zu of %zu", counts->failed, counts->stored,
+                  causes);
 }
 
 static rp_status write_head(const sweep_plan *plan, sweep_store *store, const char *command,
@@ -116,13 +113,13 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
     rp_table_note(out, "sweep", "%s, protocol %s, seed %lu, %zu grid points x %zu replicas%s", text,
                   plan->protocol->name, plan->seed, plan->n_points, plan->replicas,
                   plan->shared_piles ? ", shared piles" : "");
-    rp_status status = note_makers(store, out);
+    RP_TRY(note_makers(store, out));
     rp_table_note(out, "plan", "%s", plan->hash);
     rp_table_note(out, "source", "%.*s %s %zu", (int)strcspn(name, "."), name, digest.text, digest.n_rows);
     rp_table_note(out, "missing", "%zu of %zu", counts->planned - counts->stored, counts->planned);
     if (*store->skipped) rp_table_note(out, "left out, no stores yet", "%s", store->skipped);
     note_failed(counts, out);
-    if (!status) status = note_lacks(store, plan->protocol->outputs, out);
+    RP_TRY(note_lacks(store, plan->protocol->outputs, out));
     if (sweep_count_aborted(counts) > 0)
         rp_table_note(out, "aborted", "%zu of the failed, to be tried again", sweep_count_aborted(counts));
     rp_table_note(out, "run_time", "%.1f s", digest.seconds);
@@ -131,7 +128,7 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
             rp_table_note(out, p->name, "%s%s%s",
                           rp_params_text(p, sweep_plan_point(plan, 0), text, sizeof text),
                           *p->unit ? " " : "", rp_unit(p->unit));
-    return status;
+    return RP_OK;
 }
 
 static void add_column(FILE *list, const char *name, const char *suffix, const char *unit)
@@ -269,13 +266,12 @@ rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, 
                        size_t *n_rows)
 {
     RP_ENDS(sweep_folder_close) sweep_folder f;
-    digester d = {0};
+    digester d;
     sweep_counts counts;
-    rp_status status = sweep_folder_read(dir, protocols, true, &f);
-    if (!status) status = find_digest(&f.plan, f.store, &d);
+    RP_TRY(sweep_folder_read(dir, protocols, true, &f));
+    RP_TRY(find_digest(&f.plan, f.store, &d));
     memcpy(digest, d.text, sizeof d.text);
     *n_rows = d.n_rows;
-    RP_TRY(status);
     RP_TRY(sweep_store_count(f.store, &f.plan, &counts));
     return rp_prefix(sweep_check_whole(dir, &counts), "no digest: ");
 }

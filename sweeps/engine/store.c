@@ -50,19 +50,23 @@ rp_status sweep_sql(sweep_store *s, const char *what, const char *format, ...)
     return sweep_sql_text(s, what, text);
 }
 
-sqlite3_stmt *sweep_sql_query(sweep_store *s, const char *sql)
-{
-    sqlite3_stmt *statement = NULL;
-    sqlite3_prepare_v2(s->db, sql, -1, &statement, NULL);
-    return statement;
-}
-
 sqlite3_stmt *sweep_sql_query_text(sweep_store *s, sqlite3_str *text)
 {
     char *sql = sqlite3_str_finish(text);
-    sqlite3_stmt *statement = sweep_sql_query(s, sql);
+    sqlite3_stmt *statement = NULL;
+    sqlite3_prepare_v2(s->db, sql, -1, &statement, NULL);
     sqlite3_free(sql);
     return statement;
+}
+
+sqlite3_stmt *sweep_sql_query(sweep_store *s, const char *format, ...)
+{
+    sqlite3_str *text = sqlite3_str_new(s->db);
+    va_list args;
+    va_start(args, format);
+    sqlite3_str_vappendf(text, format, args);
+    va_end(args);
+    return sweep_sql_query_text(s, text);
 }
 
 rp_status sweep_sql_finish(sweep_store *s, const char *what, sqlite3_stmt *q)
@@ -73,7 +77,7 @@ rp_status sweep_sql_finish(sweep_store *s, const char *what, sqlite3_stmt *q)
 
 rp_status sweep_sql_number(sweep_store *s, const char *sql, long long *number)
 {
-    sqlite3_stmt *q = sweep_sql_query(s, sql);
+    sqlite3_stmt *q = sweep_sql_query(s, "%s", sql);
     *number = sqlite3_step(q) == SQLITE_ROW ? sqlite3_column_int64(q, 0) : 0;
     return sweep_sql_finish(s, "read the store", q);
 }
@@ -181,7 +185,7 @@ void sweep_store_close(sweep_store *s)
 {
     if (!s) return;
     if (s->db && s->writes) {
-        sweep_store_commit(s);
+        sqlite3_exec(s->db, s->pending ? "COMMIT" : "ROLLBACK", NULL, NULL, NULL); /* what a failure left */
         sqlite3_exec(s->db, "DELETE FROM sweep WHERE name = 'beat'", NULL, NULL, NULL);
     }
     sqlite3_finalize(s->insert);
@@ -204,16 +208,13 @@ static rp_status set_note(sweep_store *s, const char *name, const char *value)
 
 rp_status sweep_store_note(sweep_store *s, const char *schema, const char *name, char *buffer, size_t size)
 {
-    char sql[128];
     buffer[0] = '\0';
     /* a process that was killed may leave a store without a table */
     if (sqlite3_table_column_metadata(s->db, schema, "sweep", "sum", NULL, NULL, NULL, NULL, NULL) !=
             SQLITE_OK &&
         sqlite3_errcode(s->db) == SQLITE_ERROR)
         return RP_OK;
-    snprintf(sql, sizeof sql, "SELECT value, sum FROM %s.sweep WHERE name = ?", schema);
-    sqlite3_stmt *q = sweep_sql_query(s, sql);
-    sqlite3_bind_text(q, 1, name, -1, SQLITE_STATIC);
+    sqlite3_stmt *q = sweep_sql_query(s, "SELECT value, sum FROM %s.sweep WHERE name = %Q", schema, name);
     bool damaged = false;
     if (sqlite3_step(q) == SQLITE_ROW) {
         const char *value = (const char *)sqlite3_column_text(q, 0);
@@ -254,11 +255,9 @@ rp_status sweep_store_make_runs(sweep_store *s, const char *schema, const sweep_
 rp_status sweep_store_check_outputs(sweep_store *s, const char *schema, const char *path,
                                     const sweep_protocol *protocol)
 {
-    char sql[128];
     rp_status status = RP_OK;
-    snprintf(sql, sizeof sql, "SELECT name FROM pragma_table_info('runs', '%s') WHERE cid >= %d", schema,
-             N_COLUMNS);
-    sqlite3_stmt *q = sweep_sql_query(s, sql);
+    sqlite3_stmt *q = sweep_sql_query(s, "SELECT name FROM pragma_table_info('runs', %Q) WHERE cid >= %d",
+                                      schema, N_COLUMNS);
     while (!status && sqlite3_step(q) == SQLITE_ROW) {
         const char *name = (const char *)sqlite3_column_text(q, 0);
         const sweep_output *o = protocol->outputs;
@@ -277,7 +276,6 @@ rp_status sweep_store_check_outputs(sweep_store *s, const char *schema, const ch
  * runs again once the text has their measures. */
 static rp_status set_aside(sweep_store *s, const sweep_protocol *protocol)
 {
-    char sql[160];
     size_t lacks = 0;
     sqlite3_str *names = sqlite3_str_new(s->db);
     for (const sweep_output *o = protocol->outputs; o->name; o++) {
@@ -285,11 +283,9 @@ static rp_status set_aside(sweep_store *s, const sweep_protocol *protocol)
         lacks += !sweep_store_has(s, "main", o->name);
     }
     char *now = sqlite3_str_finish(names);
-    snprintf(
-        sql, sizeof sql,
-        "SELECT group_concat(name, ', '), count(*) FROM pragma_table_info('runs', 'main') WHERE cid >= %d",
+    sqlite3_stmt *q = sweep_sql_query(
+        s, "SELECT group_concat(name, ', '), count(*) FROM pragma_table_info('runs', 'main') WHERE cid >= %d",
         N_COLUMNS);
-    sqlite3_stmt *q = sweep_sql_query(s, sql);
     rp_status status = RP_OK;
     if (now && sqlite3_step(q) == SQLITE_ROW && sqlite3_column_int64(q, 1) > 0 &&
         (lacks || sqlite3_column_int64(q, 1) != (sqlite3_int64)sweep_count_outputs(protocol))) {
@@ -315,9 +311,9 @@ static rp_status set_aside(sweep_store *s, const sweep_protocol *protocol)
 rp_status sweep_store_number(sweep_store *s, const sweep_plan *plan, sweep_watch *watch)
 {
     long long rows;
-    rp_status status = sweep_sql(s, "write the store", "UPDATE runs SET run = NULL WHERE run IS NOT NULL");
-    if (!status) status = sweep_sql_number(s, "SELECT count(*) FROM runs", &rows);
-    if (status || rows == 0) return status;
+    RP_TRY(sweep_sql(s, "write the store", "UPDATE runs SET run = NULL WHERE run IS NOT NULL"));
+    RP_TRY(sweep_sql_number(s, "SELECT count(*) FROM runs", &rows));
+    if (rows == 0) return RP_OK;
     sqlite3_stmt *q = sweep_sql_query(s, "UPDATE runs SET run = ? WHERE key = ?");
     char key[33];
     for (size_t r = 0; r < plan->n_runs; r++) {
@@ -349,36 +345,24 @@ static rp_status write_notes(sweep_store *s, const sweep_plan *plan, const char 
 rp_status sweep_store_write_plan(sweep_store *s, const sweep_plan *plan, const char *file, sweep_watch *watch)
 {
     char owner[64] = "", before[33] = "";
-    RP_TRY(sweep_sql(s, "write the store", "BEGIN IMMEDIATE"));
-    rp_status status = sweep_sql(s, "write the store",
-                                 "PRAGMA user_version = %d; CREATE TABLE IF NOT EXISTS sweep"
-                                 " (name TEXT PRIMARY KEY, value TEXT NOT NULL, sum INTEGER)",
-                                 SWEEP_FORMAT);
-    if (!status && plan->experiment) status = set_aside(s, plan->protocol);
-    if (!status) status = sweep_store_make_runs(s, "main", plan->protocol);
-    if (!status) status = sweep_store_check_outputs(s, "main", s->path, plan->protocol);
-    if (!status) status = sweep_store_note(s, "main", "protocol", owner, sizeof owner);
-    if (!status) status = sweep_store_note(s, "main", "plan", before, sizeof before);
-    if (!status && *owner && strcmp(owner, plan->protocol->name) != 0)
-        status =
-            rp_fail(RP_BAD_INPUT, "%s: holds runs of protocol \"%s\", not \"%s\"; plan in another folder",
-                    s->path, owner, plan->protocol->name);
-    if (!status && strcmp(before, plan->hash) != 0) status = sweep_store_number(s, plan, watch);
-    if (!status) status = write_notes(s, plan, file);
-    if (!status) status = sweep_sql(s, "write the store", "COMMIT");
-    if (status) sqlite3_exec(s->db, "ROLLBACK", NULL, NULL, NULL);
-    return status;
+    RP_TRY(sweep_sql(s, "write the store",
+                     "BEGIN IMMEDIATE; PRAGMA user_version = %d; CREATE TABLE IF NOT EXISTS sweep"
+                     " (name TEXT PRIMARY KEY, value TEXT NOT NULL, sum INTEGER)",
+                     SWEEP_FORMAT));
+    if (plan->protocol->context) RP_TRY(set_aside(s, plan->protocol));
+    RP_TRY(sweep_store_make_runs(s, "main", plan->protocol));
+    RP_TRY(sweep_store_check_outputs(s, "main", s->path, plan->protocol));
+    RP_TRY(sweep_store_note(s, "main", "protocol", owner, sizeof owner));
+    RP_TRY(sweep_store_note(s, "main", "plan", before, sizeof before));
+    if (*owner && strcmp(owner, plan->protocol->name) != 0)
+        return rp_fail(RP_BAD_INPUT, "%s: holds runs of protocol \"%s\", not \"%s\"; plan in another folder",
+                       s->path, owner, plan->protocol->name);
+    if (strcmp(before, plan->hash) != 0) RP_TRY(sweep_store_number(s, plan, watch));
+    RP_TRY(write_notes(s, plan, file));
+    return sweep_sql(s, "write the store", "COMMIT");
 }
 
 /* ---- writing rows ---- */
-
-/* All of a row but its number, as it is stored. */
-typedef struct {
-    const char *key, *status, *message, *program, *parameters;
-    double seconds;
-    sqlite3_int64 seed, model, pile;
-    const double *values;
-} record;
 
 /* The store keeps no NaN's payload, and no minus of a zero. */
 static XXH64_hash_t hash_value(const char *name, double value, XXH64_hash_t seed)
@@ -389,15 +373,15 @@ static XXH64_hash_t hash_value(const char *name, double value, XXH64_hash_t seed
 }
 
 /* Values are summed by the names of their outputs: an output without a value, or a new one, adds nothing. */
-static sqlite3_int64 record_sum(const record *r, const sweep_output outputs[])
+static sqlite3_int64 sum_of(const sweep_row *r, const sweep_output outputs[])
 {
-    const char *const texts[] = {r->key, r->status, r->message, r->program, r->parameters};
+    const char *const texts[] = {r->key, r->result.status, r->result.message, r->program, r->parameters};
     const sqlite3_int64 whole[] = {r->seed, r->model, r->pile};
     XXH64_hash_t sum = XXH3_64bits(whole, sizeof whole);
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
         sum = XXH3_64bits_withSeed(texts[i], strlen(texts[i]), sum + i);
     sum = hash_value("seconds", r->seconds, sum);
-    for (size_t i = 0; outputs[i].name; i++) sum += hash_value(outputs[i].name, r->values[i], 0);
+    for (size_t i = 0; outputs[i].name; i++) sum += hash_value(outputs[i].name, r->result.values[i], 0);
     return (sqlite3_int64)sum;
 }
 
@@ -422,50 +406,45 @@ sqlite3_stmt *sweep_store_query_insert(sweep_store *s, const sweep_protocol *pro
     return sweep_sql_query_text(s, sql);
 }
 
-static void bind_record(sqlite3_stmt *q, const record *r, size_t run, const sweep_output outputs[])
+static void bind_row(sqlite3_stmt *q, const sweep_row *r, const sweep_output outputs[])
 {
     int column = 0;
     sqlite3_bind_text(q, ++column, r->key, -1, SQLITE_STATIC);
-    sqlite3_bind_int64(q, ++column, (sqlite3_int64)run);
-    sqlite3_bind_text(q, ++column, r->status, -1, SQLITE_STATIC);
-    sqlite3_bind_text(q, ++column, r->message, -1, SQLITE_STATIC);
+    sqlite3_bind_int64(q, ++column, (sqlite3_int64)r->run);
+    sqlite3_bind_text(q, ++column, r->result.status, -1, SQLITE_STATIC);
+    sqlite3_bind_text(q, ++column, r->result.message, -1, SQLITE_STATIC);
     sqlite3_bind_double(q, ++column, r->seconds);
     sqlite3_bind_int64(q, ++column, r->seed);
     sqlite3_bind_int64(q, ++column, r->model);
     sqlite3_bind_text(q, ++column, r->program, -1, SQLITE_STATIC);
     sqlite3_bind_int64(q, ++column, r->pile);
     sqlite3_bind_text(q, ++column, r->parameters, -1, SQLITE_STATIC);
-    sqlite3_bind_int64(q, ++column, record_sum(r, outputs));
-    for (size_t i = 0; outputs[i].name; i++) sqlite3_bind_double(q, ++column, r->values[i]); /* NaN: NULL */
+    sqlite3_bind_int64(q, ++column, sum_of(r, outputs));
+    for (size_t i = 0; outputs[i].name; i++) /* NaN: NULL */
+        sqlite3_bind_double(q, ++column, r->result.values[i]);
 }
 
-rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep_row *row)
+rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep_row *made)
 {
     if (!s->insert && !(s->insert = sweep_store_query_insert(s, plan->protocol)))
         return sweep_sql_fail(s, "write the store");
-    rp_status status = s->pending ? RP_OK : sweep_sql(s, "write the store", "BEGIN IMMEDIATE");
-    if (status) return status;
-    char key[33], parameters[8192];
-    const sweep_stream stream = sweep_plan_stream(plan, row->run);
-    sweep_plan_key(plan, row->run, key);
-    sweep_plan_parameters(plan, row->run / plan->replicas, parameters, sizeof parameters);
-    const record r = {.key = key,
-                      .status = row->result.status,
-                      .message = row->result.message,
-                      .program = s->program,
-                      .parameters = parameters,
-                      .seconds = row->seconds,
-                      .seed = (sqlite3_int64)stream.seed,
-                      .model = RP_MODEL_VERSION,
-                      .pile = (sqlite3_int64)stream.pile,
-                      .values = row->result.values};
+    if (!s->pending) RP_TRY(sweep_sql(s, "write the store", "BEGIN IMMEDIATE"));
+    char parameters[8192];
+    sweep_row row = *made;
+    const sweep_stream stream = sweep_plan_stream(plan, row.run);
+    row.seed = (sqlite3_int64)stream.seed;
+    row.model = RP_MODEL_VERSION;
+    row.pile = (sqlite3_int64)stream.pile;
+    row.program = s->program;
+    row.parameters = sweep_plan_parameters(plan, row.run / plan->replicas, parameters, sizeof parameters);
+    sweep_plan_key(plan, row.run, row.key);
     s->pending = true;
-    bind_record(s->insert, &r, row->run, plan->protocol->outputs);
-    if (sqlite3_step(s->insert) != SQLITE_DONE)
-        status = rp_fail(RP_IO, "%s: cannot store run %zu: %s; the rows stored before are kept", s->path,
-                         row->run, sqlite3_errmsg(s->db));
+    bind_row(s->insert, &row, plan->protocol->outputs);
+    const bool stored = sqlite3_step(s->insert) == SQLITE_DONE;
     sqlite3_reset(s->insert);
-    return status ? status : sweep_store_tick(s);
+    return stored ? sweep_store_tick(s)
+                  : rp_fail(RP_IO, "%s: cannot store run %zu: %s; the rows stored before are kept", s->path,
+                            row.run, sqlite3_errmsg(s->db));
 }
 
 rp_status sweep_store_commit(sweep_store *s)
@@ -491,9 +470,8 @@ rp_status sweep_store_tick(sweep_store *s)
 
 rp_status sweep_store_verify(sweep_store *s, const char *schema, const char *path)
 {
-    char sql[64], text[256];
-    snprintf(sql, sizeof sql, "PRAGMA %s.integrity_check(1)", schema);
-    sqlite3_stmt *q = sweep_sql_query(s, sql);
+    char text[256];
+    sqlite3_stmt *q = sweep_sql_query(s, "PRAGMA %s.integrity_check(1)", schema);
     const int rc = sqlite3_step(q);
     snprintf(text, sizeof text, "%s",
              rc == SQLITE_ROW ? (const char *)sqlite3_column_text(q, 0) : sqlite3_errmsg(s->db));
@@ -533,13 +511,12 @@ rp_status sweep_store_count(sweep_store *s, const sweep_plan *plan, sweep_counts
     memcpy(counts->skipped, s->skipped, sizeof s->skipped);
     sqlite3_stmt *q = sweep_sql_query(
         s, "SELECT status, count(*) FROM runs WHERE run IS NOT NULL GROUP BY status ORDER BY status");
-    while (sqlite3_step(q) == SQLITE_ROW && counts->n_words < SWEEP_MAX_WORDS) {
-        size_t i = counts->n_words++, runs = (size_t)sqlite3_column_int64(q, 1);
-        snprintf(counts->words[i].status, sizeof counts->words[i].status, "%s",
-                 (const char *)sqlite3_column_text(q, 0));
-        counts->words[i].runs = runs;
+    while (sqlite3_step(q) == SQLITE_ROW) {
+        const char *word = (const char *)sqlite3_column_text(q, 0);
+        const size_t runs = (size_t)sqlite3_column_int64(q, 1);
+        rp_tally_add(&counts->words, word, strlen(word), (double)runs);
         counts->stored += runs;
-        if (!rp_is_result(counts->words[i].status)) counts->failed += runs;
+        if (!rp_is_result(word)) counts->failed += runs;
     }
     RP_TRY(sweep_sql_finish(s, "count the rows", q));
     q = sweep_sql_query(s,
@@ -556,28 +533,27 @@ static const char *column_text(sqlite3_stmt *q, int column)
     return text && !blob ? text : "";
 }
 
-/* Take the row that is read apart; false if its sum is wrong. */
-static bool read_record(sqlite3_stmt *q, const sweep_output outputs[], record *r, double values[])
+/* The row that is read, until the next step; false if its sum is wrong. */
+static bool take_row(sqlite3_stmt *q, const sweep_output outputs[], sweep_row *r)
 {
-    for (int i = 0; outputs[i].name; i++) values[i] = column_number(q, N_COLUMNS + i);
-    *r = (record){.key = column_text(q, 0),
-                  .status = column_text(q, 2),
-                  .message = column_text(q, 3),
-                  .program = column_text(q, 7),
-                  .parameters = column_text(q, 9),
-                  .seconds = column_number(q, 4),
-                  .seed = sqlite3_column_int64(q, 5),
-                  .model = sqlite3_column_int64(q, 6),
-                  .pile = sqlite3_column_int64(q, 8),
-                  .values = values};
-    return record_sum(r, outputs) == sqlite3_column_int64(q, 10);
+    *r = (sweep_row){.run = (size_t)sqlite3_column_int64(q, 1),
+                     .seconds = column_number(q, 4),
+                     .seed = sqlite3_column_int64(q, 5),
+                     .model = sqlite3_column_int64(q, 6),
+                     .program = column_text(q, 7),
+                     .pile = sqlite3_column_int64(q, 8),
+                     .parameters = column_text(q, 9)};
+    snprintf(r->key, sizeof r->key, "%s", column_text(q, 0));
+    snprintf(r->result.status, sizeof r->result.status, "%s", column_text(q, 2));
+    snprintf(r->result.message, sizeof r->result.message, "%s", column_text(q, 3));
+    for (int i = 0; outputs[i].name; i++) r->result.values[i] = column_number(q, N_COLUMNS + i);
+    return sum_of(r, outputs) == sqlite3_column_int64(q, 10);
 }
 
-bool sweep_store_row_is_whole(sqlite3_stmt *row, const sweep_protocol *protocol)
+bool sweep_store_row_is_whole(sqlite3_stmt *q, const sweep_protocol *protocol)
 {
-    record r;
-    double values[SWEEP_MAX_OUTPUTS];
-    return read_record(row, protocol->outputs, &r, values);
+    sweep_row row;
+    return take_row(q, protocol->outputs, &row);
 }
 
 /* The row that is read, checked against its sum and, in a store of the same plan, against the key of its
@@ -586,15 +562,10 @@ static rp_status read_row(const char *path, const sweep_plan *plan, bool same, s
                           sweep_row *row)
 {
     char key[33] = "";
-    record r;
-    const bool whole = read_record(q, plan->protocol->outputs, &r, row->result.values),
+    const bool whole = take_row(q, plan->protocol->outputs, row),
                numbered = same && sqlite3_column_type(q, 1) != SQLITE_NULL;
-    row->run = (size_t)sqlite3_column_int64(q, 1);
-    row->seconds = r.seconds;
-    snprintf(row->result.status, sizeof row->result.status, "%s", r.status);
-    snprintf(row->result.message, sizeof row->result.message, "%s", r.message);
     if (row->run < plan->n_runs) sweep_plan_key(plan, row->run, key);
-    if (whole && (!numbered || strcmp(key, r.key) == 0)) return RP_OK;
+    if (whole && (!numbered || strcmp(key, row->key) == 0)) return RP_OK;
     snprintf(key, sizeof key, "run %zu", row->run);
     return rp_fail(RP_IO,
                    "%s: the row of %s is damaged (checksum); `repose sweep salvage` keeps the whole rows",
@@ -613,7 +584,7 @@ static rp_status read_rows(sweep_store *s, const char *schema, const char *path,
     sqlite3_stmt *q = sweep_sql_query_text(s, sql);
     rp_status status = RP_OK;
     while (!status && sqlite3_step(q) == SQLITE_ROW) {
-        sweep_row row = {0};
+        sweep_row row;
         status = read_row(path, plan, same, q, &row);
         if (!status && visit) status = visit(&row, context);
     }

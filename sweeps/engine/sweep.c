@@ -95,7 +95,7 @@ static rp_status claim(const sweep_folder *f, const char *file)
                        *folder.holds ? folder.holds : "an unfinished run");
     const bool snapshots = access(f->snapshots, F_OK) == 0; /* people's, if it was there before */
     for (size_t i = 0; i < (snapshots ? N_NAMES - 1 : N_NAMES); i++) {
-        if (i == N_NAMES - 2 && !sweep_experiment_text(f->plan.experiment)) continue;
+        if (i == N_NAMES - 2 && !sweep_protocol_bytes(f->plan.protocol)) continue;
         if (!older || (i == 0 && !*before)) RP_TRY(rp_folder_check(&folder, names[i]));
         RP_TRY(rp_folder_list(&folder, names[i], RP_OWN_STAYS));
     }
@@ -189,7 +189,7 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
     RP_TRY(lock_folder(&f));
     RP_TRY(sweep_store_open(f.sqlite, SWEEP_CREATE, &f.store));
     RP_TRY(sweep_store_write_plan(f.store, &f.plan, file, watch));
-    const char *experiment = sweep_experiment_text(f.plan.experiment);
+    const char *experiment = sweep_protocol_bytes(f.plan.protocol);
     if (experiment) RP_TRY(write_text(f.experiment, experiment));
     RP_TRY(write_text(f.cfg, f.plan.text));
     return sweep_store_count(f.store, &f.plan, counts);
@@ -277,15 +277,13 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
     RP_TRY(sweep_store_drop_crashed(f.store));
     RP_TRY(find_todo(&f, options, &todo, &n));
     RP_TRY(sweep_store_count(f.store, &f.plan, counts));
-    sweep_options own = *options;
-    own.snapshots = isnormal(options->snapshot) ? f.snapshots : NULL;
     const size_t planned =
         whole ? f.plan.n_runs
               : (f.plan.n_runs + (size_t)(options->shards - options->shard)) / (size_t)options->shards;
     counts->planned = planned;
     counts->stored = planned - n;
-    if (n > 0 && own.snapshots) RP_TRY(make_folder(f.snapshots));
-    if (n > 0) RP_TRY(sweep_pool_run(&f, todo, n, &own, counts));
+    if (n > 0 && isnormal(options->snapshot)) RP_TRY(make_folder(f.snapshots));
+    if (n > 0) RP_TRY(sweep_pool_run(&f, todo, n, options, counts));
     RP_TRY(sweep_store_commit(f.store));
     RP_TRY(sweep_store_count(f.store, &f.plan, counts));
     if (whole && sweep_count_aborted(counts) == 0) remove_snapshots(&f);
@@ -422,7 +420,7 @@ rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, 
                        plan->n_runs - 1, file);
     RP_TRY(sweep_plan_check_point(plan, file, row / plan->replicas));
     trace_owner(plan, row, tables, owner);
-    if (keep) keep->key = owner, sweep_keep_begin(keep, true, why, sizeof why);
+    if (keep) keep->key = owner, sweep_keep_begin(keep, why, sizeof why);
     const rp_status status = *why ? rp_fail(RP_BAD_INPUT, "%s; remove this file to start anew", why)
                                   : sweep_plan_run(plan, row, tables, result);
     if (keep) sweep_keep_end(keep, status == RP_OK);

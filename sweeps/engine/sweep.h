@@ -28,23 +28,23 @@
 #include <stdio.h>
 
 #include "sweeps/engine/protocol.h"
+#include "table/columns.h"
 
 RP_C_BEGIN
 
-enum { SWEEP_MAX_WORDS = 32 };
-
 /* How far a sweep is. A result is a row whose status starts with "ok"; the others are failed. */
 typedef struct {
-    size_t points, replicas, planned, stored, failed, n_words;
+    size_t points, replicas, planned, stored, failed;
     double seconds;    /* of the latest runs, on average; NaN without any */
     size_t running;    /* stores to which a process writes; of sweep_status alone, as are those below */
     char shards[256];  /* "2,5-7 of 8": those with runs to do; "" without shards, or when all are done */
     char skipped[256]; /* of sweep_run too: stores of shards that are none yet, and were left out */
-    struct {
-        char status[24];
-        size_t runs;
-    } words[SWEEP_MAX_WORDS]; /* by status, in alphabetical order */
+    rp_tally words;    /* by status, in alphabetical order */
 } sweep_counts;
+
+/* "no_pile 6, overlap 2": the words for which `wanted`. Returns `text`. */
+const char *sweep_words(const rp_tally *words, bool (*wanted)(const char *status), char text[1024]);
+bool sweep_is_failed(const char *status);
 
 /* Told how far something long is. */
 typedef void sweep_watch(const char *what, size_t done, size_t of);
@@ -66,7 +66,6 @@ typedef struct {
     /* One line on a run that failed, or that is slow, when it is; may be NULL. */
     void (*report)(void *context, const char *format, ...) __attribute__((format(printf, 2, 3)));
     double snapshot; /* processor seconds from one snapshot of a run to the next, in DIR/snapshots; 0: none */
-    const char *snapshots; /* set by sweep_run */
 } sweep_options;
 
 /* What `repose sweep make` reads of a sweep's file, beside the plan: settings derive, trace, model. */

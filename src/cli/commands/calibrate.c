@@ -260,26 +260,37 @@ static rp_status column_of(const problem *s, const rp_table *table, size_t k, in
                                   s->number[k].of, rp_guess_text(&guess));
 }
 
-/* The names that a sweep of the group may have, tried one by one. */
-static rp_status find_names(problem *s, size_t k, const char *path)
+/* The file or folder of a group's sweep in a stage, from 0. */
+static const char *sweep_path(const problem *s, size_t stage, size_t g, const char *ending)
 {
-    group *g = &s->group[k];
-    bool has[STATS_NAMES];
+    return rp_text(s->call->arena, "%s/stage_%zu_%zu%s", s->o->o, stage + 1, g + 1, ending);
+}
+
+/* The names that the sweep of each group may have, tried one by one. */
+static rp_status find_names(problem *s)
+{
     double x[STATS_NAMES];
+    bool found[STATS_NAMES] = {false};
     for (size_t p = 0; p < s->quest.n_names; p++) x[p] = 0.5 * (s->quest.lo[p] + s->quest.hi[p]);
-    for (size_t p = 0; p < s->quest.n_names; p++) {
+    RP_TRY(rp_make_directory(s->o->o));
+    for (size_t i = 0; i < s->quest.n_groups * s->quest.n_names; i++) {
+        const size_t g = i / s->quest.n_names, p = i % s->quest.n_names;
+        const char *path = sweep_path(s, 0, g, ".cfg");
+        group one = {.kind = s->group[g].kind, .source = s->group[g].source, .fixed = s->group[g].fixed};
         rp_table *table;
         int column;
-        memset(g->has, 0, sizeof g->has);
-        g->has[p] = true;
-        RP_TRY(write_sweep(s, g, path, 1, x, 1));
+        one.has[p] = true;
+        RP_TRY(write_sweep(s, &one, path, 1, x, 1));
         const rp_status status = cli_sweep_table(s->call, path, SWEEP_RUNS, &table, NULL);
         if (status && !strstr(rp_message(), "unknown key")) return status;
-        has[p] = !status;
-        for (size_t n = 0; n < s->quest.n_numbers && has[p]; n++)
-            if (s->quest.group[n] == k) RP_TRY(rp_prefix(column_of(s, table, n, &column), "%s: ", s->path));
+        s->group[g].has[p] = !status;
+        found[p] |= !status;
+        for (size_t k = 0; k < s->quest.n_numbers && !status; k++)
+            if (s->quest.group[k] == g) RP_TRY(rp_prefix(column_of(s, table, k, &column), "%s: ", s->path));
     }
-    memcpy(g->has, has, sizeof has);
+    for (size_t p = 0; p < s->quest.n_names; p++)
+        if (!found[p])
+            return rp_fail(RP_BAD_INPUT, "%s: fit.%s: no experiment has this name", s->path, s->name[p]);
     return RP_OK;
 }
 
@@ -316,20 +327,17 @@ static rp_status take_numbers(const problem *s, size_t g, size_t n, const size_t
 
 static rp_status run_group(problem *s, size_t stage, size_t g, size_t n, const double x[], size_t replicas)
 {
-    const char *path, *dir;
+    const char *path = sweep_path(s, stage, g, ".cfg"), *dir = sweep_path(s, stage, g, "");
     sweep_counts counts;
-    RP_TRY(rp_path(s->call->arena, &path, "%s/stage_%zu_%zu.cfg", s->o->o, stage + 1, g + 1));
-    RP_TRY(rp_path(s->call->arena, &dir, "%s/stage_%zu_%zu", s->o->o, stage + 1, g + 1));
     RP_TRY(write_sweep(s, &s->group[g], path, n, x, replicas));
     RP_TRY(cli_claim_sweep(dir, path, s->o->force));
     RP_TRY(sweep_prepare(path, dir, 0, sweep_protocols, NULL, &counts));
     if (!s->o->quiet && counts.stored < counts.planned)
         fprintf(stderr, "repose calibrate: stage %zu, %s: %zu points, %zu runs each, in %s\n", stage + 1,
                 s->group[g].source, n, replicas, dir);
-    rp_status status = cli_sweep_run(dir, (sweep_options){.workers = (int)s->o->j, .snapshot = CLI_SNAPSHOT},
-                                     s->o->quiet, &counts);
-    if (status) return status;
-    return cli_sweep_table(s->call, dir, SWEEP_RUNS, &s->group[g].table, &counts);
+    RP_TRY(cli_sweep_run(dir, (sweep_options){.workers = (int)s->o->j, .snapshot = CLI_SNAPSHOT}, s->o->quiet,
+                         &counts));
+    return cli_sweep_table(s->call, dir, SWEEP_RUNS, &s->group[g].table, NULL);
 }
 
 static rp_status run_stage(void *host, size_t stage, size_t *n, const double **x, const size_t replicas[],
@@ -462,30 +470,17 @@ static const char *separator(const problem *s, const stats_answer *a)
 /* How many runs of all stages ended by which word other than ok. */
 static void print_failed(const problem *s, size_t stages)
 {
-    sweep_counts all = {0}, one;
-    char *text = NULL;
-    size_t size;
+    rp_tally all = {0};
+    char text[1024];
     for (size_t k = 0; k < stages * s->quest.n_groups; k++) {
-        const char *dir = rp_text(s->call->arena, "%s/stage_%zu_%zu", s->o->o, k / s->quest.n_groups + 1,
-                                  k % s->quest.n_groups + 1);
+        const char *dir = sweep_path(s, k / s->quest.n_groups, k % s->quest.n_groups, "");
+        sweep_counts one;
         if (!rp_is_in(dir, "store.sqlite") || sweep_status(dir, sweep_protocols, &one)) continue;
-        for (size_t w = 0; w < one.n_words; w++) {
-            size_t at = 0;
-            if (rp_is_result(one.words[w].status)) continue;
-            while (at < all.n_words && strcmp(all.words[at].status, one.words[w].status) != 0) at++;
-            if (at == SWEEP_MAX_WORDS) continue;
-            if (at == all.n_words)
-                all.words[all.n_words++] = one.words[w];
-            else
-                all.words[at].runs += one.words[w].runs;
-        }
+        for (size_t w = 0; w < one.words.n; w++)
+            rp_tally_add(&all, one.words.of[w].word, strlen(one.words.of[w].word), one.words.of[w].times);
     }
-    FILE *words = open_memstream(&text, &size);
-    for (size_t w = 0; words && w < all.n_words; w++)
-        fprintf(words, "%s%zu %s", w ? ", " : "", all.words[w].runs, all.words[w].status);
-    if (words) fclose(words);
-    if (text && *text) rp_table_note(stdout, "failed", "%s: the numbers are of the other runs", text);
-    free(text);
+    if (*sweep_words(&all, sweep_is_failed, text))
+        rp_table_note(stdout, "failed", "%s: the numbers are of the other runs", text);
 }
 
 static void print_answer(const problem *s, const stats_answer *a)
@@ -568,21 +563,7 @@ static rp_status find(problem *s)
 {
     stats_answer a;
     RP_TRY(read_file(s));
-    if (s->quest.fixed_runs) RP_TRY(rp_prefix(read_tables(s), "%s: ", s->path));
-    if (!s->quest.fixed_runs) {
-        RP_TRY(rp_make_directory(s->o->o));
-        for (size_t g = 0; g < s->quest.n_groups; g++) {
-            const char *path;
-            RP_TRY(rp_path(s->call->arena, &path, "%s/stage_1_%zu.cfg", s->o->o, g + 1));
-            RP_TRY(find_names(s, g, path));
-        }
-    }
-    for (size_t p = 0; p < s->quest.n_names && !s->quest.fixed_runs; p++) {
-        bool some = false;
-        for (size_t g = 0; g < s->quest.n_groups; g++) some |= s->group[g].has[p];
-        if (!some)
-            return rp_fail(RP_BAD_INPUT, "%s: fit.%s: no experiment has this name", s->path, s->name[p]);
-    }
+    RP_TRY(s->quest.fixed_runs ? rp_prefix(read_tables(s), "%s: ", s->path) : find_names(s));
     if (s->o->dry_run) return plan_alone(s);
     s->quest.host = s, s->quest.run = run_stage, s->quest.leave_out = true;
     RP_TRY(rp_prefix(stats_identify(&s->quest, &a), "%s: ", s->path));
@@ -602,13 +583,21 @@ static rp_status write_file(const cli_call *call, const calibrate_options *o, co
     } angles[] = {{"theta-r-deg", "error-deg", "theta_r3_deg", o->theta_r_deg, o->error_deg},
                   {"theta-t-deg", "theta-t-error-deg", "theta_t_displacement_deg", o->theta_t_deg,
                    o->theta_t_error_deg}};
+    const char *numbers = "";
     FILE *out;
-    for (int k = 0; k < 2; k++)
-        if (isinf(angles[k].value) != isinf(angles[k].error))
-            return rp_fail(RP_USAGE, "--%s needs --%s",
-                           isinf(angles[k].value) ? angles[k].error_option : angles[k].option,
-                           isinf(angles[k].value) ? angles[k].option : angles[k].error_option);
-    if (isinf(o->theta_r_deg) && isinf(o->theta_t_deg))
+    for (int k = 0; k < 2; k++) {
+        const bool valued = !isinf(angles[k].value), has_error = !isinf(angles[k].error);
+        if (valued != has_error)
+            return rp_fail(RP_USAGE, "--%s needs --%s", valued ? angles[k].option : angles[k].error_option,
+                           valued ? angles[k].error_option : angles[k].option);
+        if (valued)
+            numbers = rp_text(call->arena,
+                              "%s%s  { protocol = \"repose\"; of = \"%s\"; value = %.17e; error = %.17e;\n"
+                              "    fixed = { W = 4.0; H = 4.0; floor = \"extends\"; slip = \"truncated\"; "
+                              "theta_t = true; }; }",
+                              numbers, *numbers ? ",\n" : "", angles[k].of, angles[k].value, angles[k].error);
+    }
+    if (!*numbers)
         return rp_fail(RP_USAGE, "FILE.cfg, --theta-r-deg or --theta-t-deg is required; see repose calibrate "
                                  "--help");
     RP_TRY(rp_make_directory(o->o));
@@ -617,16 +606,8 @@ static rp_status write_file(const cli_call *call, const calibrate_options *o, co
     fprintf(out,
             "# program: repose %s\n"
             "# Friction of a box that is opened on one side, from the angles of the pile.\n"
-            "fit = { mu = [0.05, 0.8]; };\nmeasured = (\n",
-            RP_VERSION);
-    for (int k = 0, some = 0; k < 2; k++)
-        if (!isinf(angles[k].value))
-            fprintf(out,
-                    "%s  { protocol = \"repose\"; of = \"%s\"; value = %.17e; error = %.17e;\n"
-                    "    fixed = { W = 4.0; H = 4.0; floor = \"extends\"; slip = \"truncated\"; "
-                    "theta_t = true; }; }",
-                    some++ ? ",\n" : "", angles[k].of, angles[k].value, angles[k].error);
-    fputs(" );\n", out);
+            "fit = { mu = [0.05, 0.8]; };\nmeasured = (\n%s );\n",
+            RP_VERSION, numbers);
     return rp_file_close(*path, out, RP_OK);
 }
 

@@ -137,11 +137,10 @@ static rp_status print_manual(const cli_call *call)
     }
     put_title(1, "", "KEYS AND OUTPUTS OF A SWEEP'S PROTOCOL");
     for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
-        sweep_experiment *text;
         const sweep_protocol *opened;
-        const rp_status status = sweep_protocol_open(*p, NULL, &text, &opened);
+        const rp_status status = sweep_protocol_open(*p, NULL, NULL, &opened);
         if (!status) put_protocol(opened);
-        sweep_experiment_close(text);
+        sweep_protocol_close(opened);
         RP_TRY(status);
     }
     put_title(1, "", "EXIT STATUS");

@@ -53,8 +53,7 @@ static const char *text_of(const config_setting_t *group, const char *key)
 /* The options of the command, their names as in a file, and which of them the setting has. */
 static rp_param *schema_of(step *s)
 {
-    /* where the table goes is settled, and conditions are a list */
-    static const char settled[] = "|o|force|quiet|j|set|resume|dump|snapshot|where|";
+    static const char settled[] = "|o|force|quiet|j|set|resume|dump|snapshot|"; /* as where the table goes */
     cli_call *call = &s->call;
     rp_param *schema = rp_arena_memory(call->arena, call->n_own, sizeof *schema), *to = schema;
     for (size_t i = 0; i < call->n_own; i++) {
@@ -68,23 +67,6 @@ static rp_param *schema_of(step *s)
     return schema;
 }
 
-static rp_status read_where(step *s)
-{
-    const config_setting_t *list = config_setting_get_member(s->setting, "where");
-    const rp_param *where = rp_params_find(s->call.options, "where");
-    if (!list) return RP_OK;
-    if (!where) return rp_config_fail(list, "where: %s has no conditions", s->call.command->name);
-    const int n = config_setting_is_scalar(list) ? 1 : config_setting_length(list);
-    for (int i = 0; i < n; i++) {
-        const char *text = config_setting_is_scalar(list) ? config_setting_get_string(list)
-                                                          : config_setting_get_string_elem(list, i);
-        if (!text)
-            return rp_config_fail(list, "where: conditions expected, as in [\"mu=0.2\", \"eps<1e-5\"]");
-        RP_TRY(rp_params_set_text(where, s->call.values, text));
-    }
-    return RP_OK;
-}
-
 /* "trend x=W y=theta_r3_deg by=mu", in the order of the file. */
 static const char *describe(const step *s, const rp_param *schema)
 {
@@ -94,7 +76,7 @@ static const char *describe(const step *s, const rp_param *schema)
     for (int i = 0; i < config_setting_length(s->setting); i++) {
         const config_setting_t *m = config_setting_get_elem(s->setting, (unsigned)i);
         const rp_param *p = rp_params_find(schema, config_setting_name(m));
-        if (p)
+        if (p && p->type != RP_TEXTS)
             text = rp_text(arena, "%s %s=%s", text, p->name,
                            rp_params_text(p, s->call.values, value, sizeof value));
     }
@@ -129,7 +111,6 @@ static rp_status read_options(const making *m, step *s, const cli_command *comma
     cli_options_of(&s->call, command);
     rp_param *schema = schema_of(s);
     RP_TRY(rp_config_group(s->setting, schema, s->call.values, others));
-    RP_TRY(read_where(s));
     s->call.lineage = rp_text(s->call.arena, "# derived by: %s\n", describe(s, schema));
     return s->rows ? check_columns(m, s, schema) : RP_OK;
 }
@@ -176,7 +157,7 @@ static rp_status find_command(const config_setting_t *setting, const cli_command
 
 static rp_status read_derive(making *m, const config_setting_t *setting)
 {
-    static const char *const others[] = {"table", "with", "rows", "of", "stage", "where", NULL};
+    static const char *const others[] = {"table", "with", "rows", "of", "stage", NULL};
 #define X(name) " " #name
     static const char allowed[] = CLI_STATS(X) CLI_STRESS(X) CLI_ANGLE(X);
 #undef X
@@ -282,8 +263,8 @@ static rp_status make_runs(const making *m)
     const rp_status status = cli_sweep_run(o->o, options, o->quiet, &counts);
     if (!status || status == RP_NO_RESULT) { /* "lh3: 80 runs: 78 ok, 2 not_at_rest" */
         printf("%s: %zu runs", m->recipe.name, counts.stored);
-        for (size_t i = 0; i < counts.n_words; i++)
-            printf("%s %zu %s", i ? "," : ":", counts.words[i].runs, counts.words[i].status);
+        for (size_t i = 0; i < counts.words.n; i++)
+            printf("%s %.0f %s", i ? "," : ":", counts.words.of[i].times, counts.words.of[i].word);
         putchar('\n');
         fflush(stdout); /* before what is told of tables */
     }
@@ -303,8 +284,7 @@ static rp_status load_of(const making *m, const step *s, cli_call *call, rp_tabl
         if (strcmp(name, m->recipe.name) != 0) RP_TRY(rp_path(call->arena, &folder, "%s/%s", beside, name));
         RP_TRY(rp_prefix(cli_sweep_table(call, folder, SWEEP_RUNS, &more, &(sweep_counts){0}),
                          "%s reads the runs of %s, which must be made first: ", s->table, name));
-        call->lineage =
-            rp_text(call->arena, "%s# source: %s\n", call->lineage, rp_table_find_note(more, "source"));
+        cli_sources(call, more);
         if (*table) RP_TRY(rp_table_append(*table, more));
         if (!*table) *table = more;
     }
@@ -314,14 +294,9 @@ static rp_status load_of(const making *m, const step *s, cli_call *call, rp_tabl
 static rp_status load_rows(const making *m, const step *s, cli_call *call, rp_table **table)
 {
     const char *path;
-    const bool points = strcmp(s->rows, "points") == 0;
     if (s->of) return load_of(m, s, call, table);
-    if (points || strcmp(s->rows, "runs") == 0) {
-        RP_TRY(cli_sweep_table(call, m->o->o, points ? SWEEP_POINTS : SWEEP_RUNS, table, &(sweep_counts){0}));
-    } else {
-        RP_TRY(rp_path(call->arena, &path, "%s/%s.tsv", m->tables, s->rows));
-        RP_TRY(rp_table_load(call->arena, path, table));
-    }
+    RP_TRY(rp_path(call->arena, &path, "%s/%s.tsv", m->tables, s->rows));
+    RP_TRY(rp_table_load(call->arena, path, table));
     cli_sources(call, *table);
     return RP_OK;
 }

@@ -171,12 +171,11 @@ static rp_status print_all(cli_call *call, const void *values)
     for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
         if (name && strcmp(name, (*p)->name) != 0) continue;
         if (found && !rows) putchar('\n');
-        sweep_experiment *text;
         const sweep_protocol *opened;
-        const rp_status status = sweep_protocol_open(*p, NULL, &text, &opened);
-        if (!status && text) sweep_experiment_in(text, (rp_units)o->units);
+        const rp_status status = sweep_protocol_open(*p, NULL, NULL, &opened);
+        if (!status) sweep_protocol_in(opened, (rp_units)o->units);
         if (!status) print_protocol(opened, rows);
-        sweep_experiment_close(text);
+        sweep_protocol_close(opened);
         rp_units_set((rp_units)o->units); /* a text has its own */
         RP_TRY(status);
         found = true;
