@@ -1,10 +1,9 @@
-/* Life of a simulation: start, copies, grains that are put in, end. */
+/* Life of a simulation: start, grains that are put in, end. */
 #include "dem/state/state.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "dem/forces/forces.h"
 #include "dem/list/list.h"
@@ -122,7 +121,7 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     dem_gravity_start(sim);
     rp_status status = dem_walls_place(sim, def);
     dem_loops_choose(sim);
-    if (!status) status = dem_grains_alloc(sim, def->n_grains, false, &sim->grains);
+    if (!status) status = dem_grains_reserve(sim, def->n_grains, false, &sim->grains);
     if (status) return status;
     put_grains(sim, def);
     sim->list.skin = def->skin > 0.0 ? def->skin : 0.4 * sim->start.radius_mean;
@@ -132,7 +131,7 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     const char *limit_of;
     sim->start.dt_limit = dem_time_step_limit(def, &limit_of);
     snprintf(sim->start.dt_limit_of, sizeof sim->start.dt_limit_of, "%s", limit_of);
-    status = dem_neighbours_alloc(sim, NULL);
+    status = dem_neighbours_alloc(sim);
     if (!status && def->ledger) status = dem_ledger_alloc(sim);
     return status ? status : start_forces(sim, def);
 }
@@ -152,54 +151,6 @@ rp_status dem_create(const dem_definition *def, dem_sim **sim)
     }
     *sim = s;
     return RP_OK;
-}
-
-static rp_status copy_parts(const dem_sim *sim, size_t capacity, dem_sim *c)
-{
-    RP_TRY(dem_grains_copy(sim, capacity, &c->grains));
-    RP_TRY(dem_pairs_copy(&sim->pairs, &c->pairs));
-    if (sim->pairs.n_chunks > 0) RP_TRY(dem_pairs_plan_chunks(&c->pairs, c->grains.n));
-    RP_TRY(dem_walls_copy(&sim->walls, sim->def.n_walls, &c->walls));
-    c->def.wall_list = c->walls.wall;
-    RP_TRY(dem_neighbours_alloc(c, sim));
-    if (sim->ledger) RP_TRY(dem_ledger_clone(c, sim));
-    return RP_OK;
-}
-
-void dem_forget_parts(dem_sim *sim)
-{
-    sim->grains.slack = NULL;
-#define X(type, name, ...) sim->grains.name = NULL;
-    DEM_GRAIN_ARRAYS(X)
-#undef X
-    sim->pairs.done = NULL;
-#define X(type, name, ...) sim->pairs.name = NULL;
-    DEM_PAIR_ARRAYS(X)
-#undef X
-    dem_walls_forget(&sim->walls);
-    sim->def.wall_list = NULL;
-    sim->work = NULL, sim->list.work = NULL, sim->list.sizes = NULL, sim->ledger = NULL, sim->team = NULL;
-}
-
-/* A copy with capacity for so many grains. */
-static rp_status copy_with_capacity(const dem_sim *sim, size_t capacity, dem_sim **copy)
-{
-    *copy = NULL;
-    dem_sim *c = malloc(sizeof *c);
-    if (!c) return rp_fail(RP_NO_MEMORY, "simulation: out of memory");
-    *c = *sim;
-    dem_forget_parts(c);
-    rp_status status = copy_parts(sim, capacity, c);
-    if (status)
-        dem_free(c);
-    else
-        *copy = c;
-    return status;
-}
-
-rp_status dem_clone(const dem_sim *sim, dem_sim **copy)
-{
-    return copy_with_capacity(sim, sim->grains.capacity, copy);
 }
 
 static rp_status check_new_grain(const dem_sim *sim, const dem_grain *p)
@@ -242,11 +193,9 @@ rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id)
 {
     RP_TRY(rp_prefix(check_new_grain(sim, grain), "new particle: "));
     if (sim->grains.n == sim->grains.capacity) {
-        dem_sim *larger, old = *sim;
-        RP_TRY(copy_with_capacity(sim, sim->grains.capacity ? 2 * sim->grains.capacity : 1, &larger));
-        *sim = *larger;
-        *larger = old;
-        dem_free(larger);
+        const size_t capacity = sim->grains.capacity ? 2 * sim->grains.capacity : 1;
+        RP_TRY(dem_neighbours_grow(sim, capacity));
+        RP_TRY(dem_grains_reserve(sim, capacity, false, &sim->grains));
     }
     dem_grains_clear(&sim->grains, sim->grains.n);
     put_grain(sim, sim->grains.n, grain);

@@ -33,35 +33,42 @@ static double cell_size(const dem_sim *sim, double speed)
     return 2.0 * (sim->r_max + margin(sim, speed));
 }
 
-rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
+/* Work space for these cells and so many grains. */
+static rp_status reserve(dem_sim *sim, dem_cells cells, size_t capacity)
 {
-    struct dem_list_work *w = sim->list.work = calloc(1, sizeof *w);
-    if (!w) return no_memory();
-    w->held = (dem_pairs){.rolling = sim->pairs.rolling, .springs_only = true};
-    dem_cells *const cells = &w->cells;
-    if (like) {
-        cells->columns = like->list.work->cells.columns;
-        cells->rows = like->list.work->cells.rows;
-        while (sim->grains.capacity > like->grains.capacity &&
-               4 * cells->columns * cells->rows < sim->grains.n)
-            *(cells->columns < cells->rows ? &cells->columns : &cells->rows) *= 2; /* grains were put in */
-    } else {
-        dem_cells_choose(sim, cell_size(sim, 0.0), cells);
-    }
-    cells->start = calloc(cells->columns * cells->rows + 1, sizeof *cells->start);
-    return cells->start ? dem_grains_alloc(sim, sim->grains.capacity, true, &w->spare) : no_memory();
+    if (!sim->list.work && !(sim->list.work = calloc(1, sizeof *sim->list.work))) return no_memory();
+    struct dem_list_work *w = sim->list.work;
+    w->held.rolling = sim->pairs.rolling, w->held.springs_only = true;
+    RP_TRY(dem_grains_reserve(sim, capacity, true, &w->spare));
+    if (!(cells.start = calloc(cells.columns * cells.rows + 1, sizeof *cells.start))) return no_memory();
+    free(w->cells.start);
+    w->cells = cells;
+    return RP_OK;
+}
+
+rp_status dem_neighbours_alloc(dem_sim *sim)
+{
+    dem_cells cells = {0};
+    dem_cells_choose(sim, cell_size(sim, 0.0), &cells);
+    return reserve(sim, cells, sim->grains.capacity);
+}
+
+rp_status dem_neighbours_grow(dem_sim *sim, size_t capacity)
+{
+    dem_cells cells = sim->list.work->cells;
+    while (4 * cells.columns * cells.rows < sim->grains.n)
+        *(cells.columns < cells.rows ? &cells.columns : &cells.rows) *= 2;
+    return reserve(sim, cells, capacity);
 }
 
 void dem_neighbours_keep(rp_snapshot *s, dem_sim *sim)
 {
-    struct dem_list_work work = {0};
-    if (!s->reading) work = *sim->list.work;
-    RP_KEEP(s, work.cells.columns);
-    RP_KEEP(s, work.cells.rows);
-    rp_keep_check(s, dem_cells_are_possible(&work.cells, sim->grains.last_id), "impossible cells");
-    if (s->status || !s->reading) return;
-    const dem_sim like = {.grains.capacity = sim->grains.capacity, .list.work = &work};
-    s->status = dem_neighbours_alloc(sim, &like);
+    dem_cells cells = {0};
+    if (!s->reading) cells = sim->list.work->cells;
+    RP_KEEP(s, cells.columns);
+    RP_KEEP(s, cells.rows);
+    rp_keep_check(s, dem_cells_are_possible(&cells, sim->grains.last_id), "impossible cells");
+    if (!s->status && s->reading) s->status = reserve(sim, cells, sim->grains.capacity);
 }
 
 void dem_neighbours_free(dem_sim *sim)

@@ -449,21 +449,6 @@ void dem_ledger_halt(dem_sim *sim, double before)
     b->sum = sum;
 }
 
-rp_status dem_ledger_clone(dem_sim *copy, const dem_sim *sim)
-{
-    const struct dem_ledger_state *from = sim->ledger;
-    struct dem_ledger_state *b = copy->ledger = malloc(sizeof *b);
-    if (!b) return no_memory();
-    *b = *from;
-    b->old = b->now = b->between = (contact_list){0};
-    b->grain = malloc(b->capacity * sizeof *b->grain);
-    if (!b->grain || reserve(&b->old, from->old.n + 1)) return no_memory();
-    memcpy(b->grain, from->grain, b->capacity * sizeof *b->grain);
-    b->old.n = from->old.n;
-    if (b->old.n) memcpy(b->old.at, from->old.at, b->old.n * sizeof *b->old.at);
-    return RP_OK;
-}
-
 /* Grains are there or not, and every contact is one of grains and walls that there are. */
 static bool contacts_exist(const dem_sim *sim)
 {

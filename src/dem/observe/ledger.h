@@ -7,7 +7,6 @@
 #include "dem/state/vec.h"
 
 rp_status dem_ledger_alloc(dem_sim *sim);
-rp_status dem_ledger_clone(dem_sim *copy, const dem_sim *sim);
 void dem_ledger_free(dem_sim *sim);
 
 /* Go on with these sums, of a simulation whose energy was `before`; what there is now more, is put in. Grain

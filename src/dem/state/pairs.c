@@ -31,21 +31,6 @@ void dem_pairs_free(dem_pairs *pairs)
 #undef X
 }
 
-rp_status dem_pairs_copy(const dem_pairs *pairs, dem_pairs *copy)
-{
-    *copy = (dem_pairs){.rotation = pairs->rotation, .rolling = pairs->rolling, .chunk = pairs->chunk};
-    rp_status status = dem_pairs_reserve(copy, pairs->n + 1); /* so that the arrays exist */
-    if (status) return status;
-    copy->n = pairs->n;
-#define X(type, name, need, share, role)                                                                     \
-    if (copy->name && copy->n > 0)                                                                           \
-        memcpy(copy->name, pairs->name, (copy->n + share - 1) / share * sizeof(type));
-    DEM_PAIR_ARRAYS(X)
-#undef X
-    dem_pairs_pad(copy);
-    return RP_OK;
-}
-
 void dem_pairs_pad(dem_pairs *pairs)
 {
     const uint32_t last = pairs->n > 0 ? pairs->i[pairs->n - 1] : 0;

@@ -15,26 +15,6 @@ rp_status dem_walls_alloc(dem_walls *w, size_t n)
     return good ? RP_OK : rp_fail(RP_NO_MEMORY, "%zu walls: out of memory", n);
 }
 
-rp_status dem_walls_copy(const dem_walls *walls, size_t n, dem_walls *copy)
-{
-    *copy = *walls;
-    dem_walls_forget(copy);
-    RP_TRY(dem_walls_alloc(copy, n));
-    if (walls->n_slots) memcpy(copy->slot, walls->slot, walls->n_slots * sizeof *copy->slot);
-#define X(type, name) memcpy(copy->name, walls->name, (n + 1) * sizeof(type));
-    DEM_WALL_ARRAYS(X)
-#undef X
-    return RP_OK;
-}
-
-void dem_walls_forget(dem_walls *walls)
-{
-    walls->slot = NULL;
-#define X(type, name) walls->name = NULL;
-    DEM_WALL_ARRAYS(X)
-#undef X
-}
-
 void dem_walls_free(dem_walls *walls)
 {
     free(walls->slot);

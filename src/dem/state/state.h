@@ -67,9 +67,6 @@ struct dem_sim {
     double clock;
 };
 
-/* Forget, in a copy of the structure, the arrays and work spaces that are the original's. */
-void dem_forget_parts(dem_sim *sim);
-
 /* Force on a grain, in either of its arrays. */
 static inline dem_vec *dem_force(const dem_sim *sim, size_t i)
 {

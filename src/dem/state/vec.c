@@ -20,7 +20,7 @@ bool dem_array_grow(void *array, size_t size, size_t n, size_t capacity)
 {
     void *old = *(void **)array, *more = dem_array(capacity, size);
     if (!more) return false;
-    if (n > 0) memcpy(more, old, size * n);
+    if (old) memcpy(more, old, size * n);
     free(old);
     *(void **)array = more;
     return true;

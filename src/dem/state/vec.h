@@ -30,8 +30,8 @@ typedef struct {
  * and lies on huge pages if it is large enough: gathers from small ones wait for the page table. */
 void *dem_array(size_t n, size_t size);
 
-/* Let the array that `array` points to, one of dem_array, hold `capacity` items, of which the first `n` stay;
- * false, and as it was, if memory is short. */
+/* Let the array that `array` points to, one of dem_array or NULL, hold `capacity` items, of which the first
+ * `n` stay; false, and as it was, if memory is short. */
 bool dem_array_grow(void *array, size_t size, size_t n, size_t capacity);
 
 /* The same for any array, of which all items stay. */
