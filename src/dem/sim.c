@@ -7,8 +7,8 @@
 
 #include "dem/forces/forces.h"
 #include "dem/list/list.h"
-#include "dem/methods/step.h"
-#include "dem/observe/ledger.h"
+#include "dem/methods/methods.h"
+#include "dem/observe/observe.h"
 #include "dem/setup/definition.h"
 
 /* Pairs of a chunk: some 3000 grains. Their data of a step fit into the second cache. */
@@ -23,8 +23,8 @@ static rp_status list_contacts(dem_sim *sim, size_t n, const dem_contact *contac
     dem_pairs *const pairs = &sim->pairs;
     dem_walls *const walls = &sim->walls;
     if (n == 0) return RP_OK;
-    if (dem_pairs_reserve(pairs, n) || !dem_grow(&walls->slot, sizeof *walls->slot, walls->capacity = n))
-        return rp_fail(RP_NO_MEMORY, "springs of the start: out of memory");
+    RP_TRY(dem_pairs_reserve(pairs, n));
+    RP_TRY(dem_room("springs of the start", &walls->slot, sizeof *walls->slot, n, &walls->capacity));
     for (size_t k = 0; k < n; k++) {
         const dem_contact *c = &contacts[k];
         const uint32_t a = c->id_a - 1, w = (uint32_t)c->wall;

@@ -9,7 +9,7 @@
 
 #include "core/snapshot.h"
 #include "dem/list/list.h"
-#include "dem/observe/ledger.h"
+#include "dem/observe/observe.h"
 #include "dem/setup/definition.h"
 
 uint64_t dem_keep_layout(void)

@@ -43,6 +43,12 @@ dem_contact dem_law_forces(const dem_sim *sim, const dem_relative *r, double h);
 rp_status dem_walls_place(dem_sim *sim, const dem_definition *def);
 void dem_walls_move(dem_sim *sim);
 
+/* Distance of a wall's farther end from its pivot, INFINITY of a line. */
+double dem_wall_reach(const dem_wall *wall);
+
+/* Let wall w go on as `next`, whose fastest point goes `way` in a step. */
+void dem_wall_go_on(dem_sim *sim, size_t w, const dem_wall *next, double way);
+
 /* After a rebuilding for grains within `far` of the origin: how far walls may move until the next. */
 void dem_walls_limit(dem_sim *sim, double far);
 

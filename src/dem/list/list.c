@@ -9,7 +9,7 @@
 
 #include "dem/forces/forces.h"
 #include "dem/list/list.h"
-#include "dem/threads/parts.h"
+#include "dem/threads/threads.h"
 
 static rp_status no_memory(void)
 {
@@ -108,10 +108,8 @@ static rp_status check_grain(dem_sim *sim, size_t i)
 static rp_status check_grains(dem_sim *sim, dem_part *part)
 {
     const size_t end = dem_share_end(part, sim->grains.n, 1);
-    rp_status status = RP_OK;
-    for (size_t i = dem_share_start(part, sim->grains.n, 1); i < end && !status; i++)
-        status = check_grain(sim, i);
-    return status;
+    for (size_t i = dem_share_start(part, sim->grains.n, 1); i < end; i++) RP_TRY(check_grain(sim, i));
+    return RP_OK;
 }
 
 static double speed_of(const dem_motion *grain)
@@ -168,12 +166,6 @@ static double round_off(const dem_sim *sim, double far2)
     return 1e-15 * (sqrt(far2) + sim->list.skin);
 }
 
-static void measure_far(dem_sim *sim)
-{
-    dem_walls_limit(sim, sqrt(sim->list.far2));
-    sim->list.round_off = round_off(sim, sim->list.far2);
-}
-
 /* Keep the springs of touching pairs of the part's share of the old list. The order of a chain does not
  * matter. */
 static rp_status hold_part(dem_sim *sim, dem_part *part)
@@ -196,12 +188,6 @@ static rp_status hold_part(dem_sim *sim, dem_part *part)
         n++;
     }
     return RP_OK;
-}
-
-static rp_status hold_springs(dem_sim *sim)
-{
-    RP_TRY(dem_pairs_reserve(&sim->list.work->held, dem_count_touching(&sim->pairs)));
-    return dem_threads_do(sim, hold_part);
 }
 
 /* Give pair k of grains a and b the springs it held before. */
@@ -247,9 +233,7 @@ static void find_touching(dem_sim *sim, size_t k, size_t end)
 static rp_status part_pairs(dem_sim *sim)
 {
     struct dem_list_work *w = sim->list.work;
-    if (sim->pairs.n > w->apart_capacity &&
-        !dem_grow(&w->apart, 2 * sizeof *w->apart, w->apart_capacity = 2 * sim->pairs.n))
-        return no_memory();
+    RP_TRY(dem_room("neighbour list", &w->apart, 2 * sizeof *w->apart, sim->pairs.n, &w->apart_capacity));
     size_t touching = 0, apart = 0;
     for (size_t k = 0; k < sim->pairs.n; k++) {
         const uint32_t i = sim->pairs.i[k], j = sim->pairs.j[k];
@@ -270,33 +254,15 @@ static rp_status part_pairs(dem_sim *sim)
     return RP_OK;
 }
 
+/* The part's share of the new list. */
 static rp_status complete_part(dem_sim *sim, dem_part *part)
 {
-    complete_pairs(sim, dem_share_start(part, sim->pairs.n, 1), dem_share_end(part, sim->pairs.n, 1));
-    return RP_OK;
-}
-
-static rp_status restore_part(dem_sim *sim, dem_part *part)
-{
     const size_t from = dem_share_start(part, sim->pairs.n, 64), end = dem_share_end(part, sim->pairs.n, 64);
+    complete_pairs(sim, from, end);
     find_touching(sim, from, end);
     DEM_EACH_TOUCHING_OF(&sim->pairs, from, end, k)
     restore_springs(sim, k, sim->pairs.i[k], sim->pairs.j[k]);
     return RP_OK;
-}
-
-static rp_status find_pairs(dem_sim *sim)
-{
-    RP_TRY(dem_cells_find_pairs(sim));
-    if (sim->def.hard.on) RP_TRY(part_pairs(sim));
-    RP_TRY(dem_threads_do(sim, complete_part));
-    return dem_threads_do(sim, restore_part);
-}
-
-/* Is a point of the line at `along` farther than `most` from what is left of it between its ends? */
-static inline bool is_beyond_ends(const dem_wall *wall, double along, double most)
-{
-    return along < wall->extent[0] - most || along > wall->extent[1] + most;
 }
 
 /* May grain i touch wall k until the next rebuilding? A wall that is gone touches none. */
@@ -306,11 +272,11 @@ static bool is_near_wall(const dem_sim *sim, size_t k, size_t i)
     const dem_wall_line *line = &sim->walls.line[k];
     const bool turns = sim->def.box_turn_per_step != 0.0 && sim->step >= sim->walls.turn_from_step;
     const double more = line->moves ? sim->walls.margin : turns ? 0.5 * sim->list.skin : 0.0;
-    if (dem_wall_opens(sim, k) && isinf(wall->open_speed)) return false;
+    if (dem_wall_is_gone(sim, k)) return false;
     const dem_vec d = sim->grains.listed_x[i] - line->point;
-    const double most = sim->grains.cutoff[i] + more;
+    const double most = sim->grains.cutoff[i] + more, along = dem_dot(d, dem_clockwise(line->direction));
     return fabs(dem_dot(d, line->direction)) < most && !dem_is_fixed(sim, i) &&
-           !is_beyond_ends(wall, dem_dot(d, dem_clockwise(line->direction)), most);
+           along >= wall->extent[0] - most && along <= wall->extent[1] + most;
 }
 
 /* Grains near any wall. */
@@ -333,9 +299,7 @@ static rp_status find_wall_slots(dem_sim *sim)
     uint32_t *const near = sim->grains.cell;
     size_t n_near = 0;
     memset(sim->grains.held_slot, 0xff, sim->grains.n * sizeof *sim->grains.held_slot);
-    if (n_old > w->wall_capacity &&
-        !dem_grow(&w->wall_slot, sizeof *w->wall_slot, w->wall_capacity = sim->walls.capacity))
-        return no_memory();
+    RP_TRY(dem_room("neighbour list", &w->wall_slot, sizeof *w->wall_slot, n_old, &w->wall_capacity));
     if (n_old) memcpy(w->wall_slot, sim->walls.slot, n_old * sizeof *w->wall_slot);
     RP_TRY(dem_threads_do(sim, find_near_walls));
     for (uint32_t i = 0; i < sim->grains.n; i++)
@@ -349,10 +313,8 @@ static rp_status find_wall_slots(dem_sim *sim)
             const uint32_t i = near[m], held = sim->grains.held_slot[i];
             sim->grains.held_slot[i] = DEM_NOWHERE;
             if (!is_near_wall(sim, k, i)) continue;
-            if (sim->walls.n_slots == sim->walls.capacity &&
-                !dem_grow(&sim->walls.slot, sizeof *sim->walls.slot,
-                          sim->walls.capacity = 2 * sim->walls.capacity + 64))
-                return no_memory();
+            RP_TRY(dem_room("neighbour list", &sim->walls.slot, sizeof *sim->walls.slot,
+                            sim->walls.n_slots + 1, &sim->walls.capacity));
             const dem_vec d = sim->grains.listed_x[i] - sim->walls.line[k].point;
             const bool behind = dem_dot(d, sim->walls.line[k].direction) < 0.0;
             dem_wall_slot *slot = &sim->walls.slot[sim->walls.n_slots++];
@@ -373,13 +335,17 @@ rp_status dem_neighbours_rebuild(dem_sim *sim)
     RP_TRY(dem_threads_do(sim, check_grains));
     sim->count.rebuilds++;
     RP_TRY(sort_grains(sim));
-    measure_far(sim);
-    rp_status status = hold_springs(sim);
-    if (!status) status = find_pairs(sim);
+    dem_walls_limit(sim, sqrt(sim->list.far2));
+    sim->list.round_off = round_off(sim, sim->list.far2);
+    RP_TRY(dem_pairs_reserve(&sim->list.work->held, dem_count_touching(&sim->pairs)));
+    RP_TRY(dem_threads_do(sim, hold_part));
+    RP_TRY(dem_cells_find_pairs(sim));
+    if (sim->def.hard.on) RP_TRY(part_pairs(sim));
+    RP_TRY(dem_threads_do(sim, complete_part));
     dem_pairs_pad(&sim->pairs);
-    if (!status) status = find_wall_slots(sim);
-    if (!status) status = dem_pairs_plan_chunks(&sim->pairs, sim->grains.n);
-    return status ? status : dem_threads_divide(sim);
+    RP_TRY(find_wall_slots(sim));
+    RP_TRY(dem_pairs_plan_chunks(&sim->pairs, sim->grains.n));
+    return dem_threads_divide(sim);
 }
 
 /* Remove the pairs of grain i that are beyond their cutoffs, and append those not yet listed. Touching pairs
@@ -400,8 +366,7 @@ static rp_status renew_pairs(dem_sim *sim, uint32_t i, uint32_t *listed, uint32_
         else
             dem_pairs_remove(&sim->pairs, k);
     }
-    rp_status status = dem_pairs_reserve(&sim->pairs, sim->grains.n);
-    if (status) return status;
+    RP_TRY(dem_pairs_reserve(&sim->pairs, sim->grains.n));
     const size_t from = sim->pairs.n;
     sim->loops.append(sim, i, 0, sim->grains.n);
     size_t n = from;
@@ -431,9 +396,7 @@ rp_status dem_neighbours_renew(dem_sim *sim, bool accelerates)
         if (n == FEW) return dem_neighbours_rebuild(sim);
         moved[n++] = (uint32_t)i;
     }
-    rp_status status = RP_OK;
-    for (size_t m = 0; m < n && !status; m++) status = check_grain(sim, moved[m]);
-    if (status) return status;
+    for (size_t m = 0; m < n; m++) RP_TRY(check_grain(sim, moved[m]));
     for (size_t m = 0; m < n; m++) {
         const dem_vec x = sim->grains.motion[moved[m]].x;
         const dem_motion *now = &sim->grains.motion[moved[m]], *next = &sim->grains.next_motion[moved[m]];
@@ -441,11 +404,9 @@ rp_status dem_neighbours_renew(dem_sim *sim, bool accelerates)
         sim->list.round_off = fmax(sim->list.round_off, round_off(sim, dem_dot(x, x)));
     }
     memset(sim->grains.cell, 0, sim->grains.n * sizeof *sim->grains.cell);
-    for (size_t m = 0; m < n && !status; m++)
-        status = renew_pairs(sim, moved[m], sim->grains.cell, (uint32_t)m + 1);
+    for (size_t m = 0; m < n; m++) RP_TRY(renew_pairs(sim, moved[m], sim->grains.cell, (uint32_t)m + 1));
     dem_pairs_pad(&sim->pairs);
     find_touching(sim, 0, sim->pairs.n);
     for (uint32_t i = 0; i < sim->grains.n; i++) sim->grains.moved_to[i] = i;
-    if (!status) status = find_wall_slots(sim);
-    return status;
+    return find_wall_slots(sim);
 }

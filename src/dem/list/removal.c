@@ -5,7 +5,7 @@
 #include <math.h>
 
 #include "dem/list/list.h"
-#include "dem/threads/parts.h"
+#include "dem/threads/threads.h"
 
 /* May grains that left stay in the arrays for some steps? */
 static bool may_stay(const dem_sim *sim)

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "dem/list/list.h"
-#include "dem/threads/parts.h"
+#include "dem/threads/threads.h"
 
 enum { MOST_CELLS = 1 << 14 }; /* in a row at the start */
 
@@ -126,24 +126,16 @@ static rp_status append_cells(dem_sim *sim, dem_part *part)
     return RP_OK;
 }
 
-static rp_status find_plainly(dem_sim *sim)
-{
-    RP_TRY(dem_threads_do(sim, append_cells));
-    return dem_threads_gather(sim);
-}
-
-/* Cells that hold many grains are searched by cells of the grains' own sizes. */
-static rp_status find_by_size(dem_sim *sim)
+rp_status dem_cells_find_pairs(dem_sim *sim)
 {
     const dem_cells *cells = &sim->list.work->cells;
+    const double tests = 4.5 * (double)cells->squares; /* of half of the grains in nine cells */
+    if (tests <= sim->list.most_tests * (double)sim->grains.n) {
+        RP_TRY(dem_threads_do(sim, append_cells));
+        return dem_threads_gather(sim);
+    }
+    /* cells that hold many grains are searched by cells of the grains' own sizes */
     for (uint32_t c = 0; c < cells->columns * cells->rows; c++)
         for (size_t i = cells->start[c]; i < cells->start[c + 1]; i++) sim->grains.cell[i] = c;
     return dem_sizes_find_pairs(sim);
-}
-
-rp_status dem_cells_find_pairs(dem_sim *sim)
-{
-    /* the plain search tests half of the grains in nine cells */
-    const double tests = 4.5 * (double)sim->list.work->cells.squares;
-    return tests > sim->list.most_tests * (double)sim->grains.n ? find_by_size(sim) : find_plainly(sim);
 }

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dem/threads/parts.h"
+#include "dem/threads/threads.h"
 
 enum { LEVELS = 12 };
 
@@ -75,9 +75,8 @@ static rp_status choose_levels(struct dem_sizes *z, const dem_sim *sim)
         if (level == LEVELS || 4 * n > 2 * sim->grains.n || width < 4.0 * sim->r_min) break;
     }
     z->levels = level;
-    if (z->first_cell[level] < z->start_capacity) return RP_OK;
-    z->start_capacity = 2 * z->first_cell[level] + 1;
-    return dem_grow(&z->start, sizeof *z->start, z->start_capacity) ? RP_OK : no_memory();
+    return dem_room("neighbour list", &z->start, sizeof *z->start, z->first_cell[level] + 1,
+                    &z->start_capacity);
 }
 
 /* The column or row of a level in which a coordinate is. */
@@ -252,9 +251,7 @@ static rp_status order_pairs(dem_sim *sim)
     struct dem_sizes *z = sim->list.sizes;
     uint32_t *const start = sim->grains.held_slot, n = 0;
     RP_TRY(dem_threads_do(sim, name_part));
-    if (sim->pairs.n > z->key_capacity &&
-        !dem_grow(&z->key, sizeof *z->key, z->key_capacity = 9 * sim->pairs.n / 8))
-        return no_memory();
+    RP_TRY(dem_room("neighbour list", &z->key, sizeof *z->key, sim->pairs.n, &z->key_capacity));
     memset(start, 0, sim->grains.n * sizeof *start);
     for (size_t k = 0; k < sim->pairs.n; k++) start[sim->pairs.i[k]]++;
     for (size_t i = 0; i < sim->grains.n; i++) {

@@ -4,8 +4,6 @@
 
 #include "dem/state/state.h"
 
-DEM_MANUAL_OF(DEM_KERNEL_LIST, dem_kernel_manual)
-
 static const dem_loops *const loops_of[DEM_KERNELS] = {
     [DEM_REFERENCE] = &dem_loops_reference,
     [DEM_BASELINE] = &dem_loops_1,

@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-#include "dem/observe/ledger.h"
-#include "dem/methods/step.h"
+#include "dem/observe/observe.h"
+#include "dem/methods/methods.h"
 
 static void set(dem_sim *sim, const double g[2])
 {

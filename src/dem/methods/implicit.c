@@ -23,10 +23,10 @@
 #include <string.h>
 
 #include "core/sparse.h"
-#include "dem/observe/ledger.h"
+#include "dem/observe/observe.h"
 #include "dem/forces/forces.h"
 #include "dem/list/list.h"
-#include "dem/methods/step.h"
+#include "dem/methods/methods.h"
 #include "dem/state/motion.h"
 
 /* Force on a grain, of a pair on its first, and minus its derivative by the grain's displacement. */
@@ -49,8 +49,6 @@ typedef struct {
     rp_stiffness *matrix;
     size_t *first, *of; /* contacts of each grain: of[first[i]] to of[first[i + 1] - 1] */
 } workspace;
-
-DEM_MANUAL_OF(DEM_SOLVERS, dem_solver_manual)
 
 static inline workspace *work(const dem_sim *sim)
 {
@@ -539,8 +537,6 @@ static rp_status step(dem_sim *sim, bool last)
 
 const dem_scheme dem_scheme_implicit = {
     .name = "implicit",
-    .manual = "implicit midpoint, which conserves energy at any dt (Liffman, Chan & Hughes 1992, eq (24)), "
-              "without rotation and shear springs; walls are whole lines that stand",
     .order = {2, 2},
     .even_margins = true,
     .solves = true,

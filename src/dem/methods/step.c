@@ -1,12 +1,12 @@
-/* Parts of a step; see step.h. */
-#include "dem/methods/step.h"
+/* Parts of a step; see methods.h. */
+#include "dem/methods/methods.h"
 
 #include <math.h>
 
 #include "core/clock.h"
 #include "dem/forces/forces.h"
 #include "dem/list/list.h"
-#include "dem/observe/ledger.h"
+#include "dem/observe/observe.h"
 
 rp_status dem_check_overlaps(dem_sim *sim, dem_stretch pairs, dem_stretch grains)
 {

@@ -144,6 +144,13 @@ void dem_energies(const dem_sim *sim, dem_energy *energy)
     }
 }
 
+double dem_energy_now(const dem_sim *sim)
+{
+    dem_energy e;
+    dem_energies(sim, &e);
+    return e.kinetic + e.rotational + e.elastic + e.gravity;
+}
+
 rp_status dem_rest_in(const dem_sim *sim, bool (*in)(const void *region, uint32_t id, double x, double y),
                       const void *region, dem_rest *rest)
 {

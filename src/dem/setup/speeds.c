@@ -2,8 +2,8 @@
 #include <math.h>
 
 #include "core/elementary.h"
+#include "dem/forces/forces.h"
 #include "dem/setup/definition.h"
-#include "dem/state/vec.h"
 
 static dem_vec end_of(const dem_wall *wall, int end)
 {
@@ -13,19 +13,13 @@ static dem_vec end_of(const dem_wall *wall, int end)
 
 double dem_wall_speed(const dem_definition *def, const dem_wall *wall)
 {
+    double reach = dem_wall_reach(wall);
     if (!dem_wall_moves(wall)) return 0.0;
-    const dem_vec pivot = {wall->pivot[0], wall->pivot[1]};
-    const bool segment = isfinite(wall->extent[0]) && isfinite(wall->extent[1]);
-    double reach2 = 0.0;
-    for (int end = 0; end < 2 && segment; end++) {
-        const dem_vec arm = end_of(wall, end) - pivot;
-        reach2 = fmax(reach2, dem_dot(arm, arm));
-    }
-    for (size_t i = 0; i < def->n_grains && !segment; i++) {
-        const dem_vec arm = (dem_vec){def->grains[i].x, def->grains[i].y} - pivot;
-        reach2 = fmax(reach2, dem_dot(arm, arm));
-    }
-    return rp_hypot(wall->velocity[0], wall->velocity[1]) + fabs(wall->omega) * sqrt(reach2);
+    const bool line = isinf(reach);
+    if (line) reach = 0.0;
+    for (size_t i = 0; i < def->n_grains && line; i++)
+        reach = fmax(reach, rp_hypot(def->grains[i].x - wall->pivot[0], def->grains[i].y - wall->pivot[1]));
+    return rp_hypot(wall->velocity[0], wall->velocity[1]) + fabs(wall->omega) * reach;
 }
 
 double dem_impact_speed(const dem_definition *def)

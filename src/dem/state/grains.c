@@ -1,6 +1,7 @@
 /* The arrays of the grains; see grains.h. */
 #include "dem/state/state.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum { PADDING = 8 }; /* kernels read up to 7 entries beyond the last grain */

@@ -111,6 +111,12 @@ static inline bool dem_wall_opens(const dem_sim *sim, size_t w)
     return from >= 0 && sim->step >= from;
 }
 
+/* Is nothing left of it, since it has opened at once? */
+static inline bool dem_wall_is_gone(const dem_sim *sim, size_t w)
+{
+    return dem_wall_opens(sim, w) && isinf(sim->walls.wall[w].open_speed);
+}
+
 /* Contacts by number: the pairs of the list, then the wall slots. Which grains: the second is DEM_NOBODY at a
  * wall, whose slot is NULL of a pair. */
 #define DEM_NOBODY SIZE_MAX

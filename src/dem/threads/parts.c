@@ -1,6 +1,7 @@
-/* Parts of a pile; see parts.h. */
-#include "dem/threads/parts.h"
+/* Parts of a pile; see threads.h. */
+#include "dem/threads/threads.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* Of one part alone. */
@@ -67,9 +68,7 @@ static rp_status set_bounds(dem_sim *sim)
 {
     struct dem_team *team = sim->team;
     const size_t groups = sim->grains.n / DEM_GROUP + 1;
-    if (groups > team->late_capacity &&
-        !dem_grow(&team->late, sizeof *team->late, team->late_capacity = 2 * groups))
-        return rp_fail(RP_NO_MEMORY, "threads: out of memory");
+    RP_TRY(dem_room("threads", &team->late, sizeof *team->late, groups, &team->late_capacity));
     size_t pair = 0, grain = 0;
     for (size_t t = 0; t < team->n; t++) {
         dem_part *part = &team->part[t];
@@ -89,10 +88,8 @@ static rp_status find_border(dem_sim *sim, dem_part *part)
     own->n_border = 0;
     for (size_t k = part->pair; k < part->pair_end; k++) {
         if (has(part, sim->pairs.i[k]) && has(part, sim->pairs.j[k])) continue;
-        if (own->n_border == own->border_capacity &&
-            !dem_grow(&own->border, sizeof *own->border,
-                      own->border_capacity = 2 * own->border_capacity + 1024))
-            return rp_fail(RP_NO_MEMORY, "threads: out of memory");
+        RP_TRY(
+            dem_room("threads", &own->border, sizeof *own->border, own->n_border + 1, &own->border_capacity));
         own->border[own->n_border++] = (uint32_t)k;
     }
     return RP_OK;
@@ -166,10 +163,8 @@ static rp_status plan(dem_sim *sim, dem_part *part)
     } else if (to > own->force_from) {
         memset(own->force, 0, (to - own->force_from) * size);
     }
-    if (chunks > own->done_capacity &&
-        !dem_grow(&own->done, sizeof *own->done, own->done_capacity = 2 * chunks))
-        own->done_capacity = 0;
-    if (!own->force || own->done_capacity == 0) return rp_fail(RP_NO_MEMORY, "threads: out of memory");
+    if (!own->force) return rp_fail(RP_NO_MEMORY, "threads: out of memory");
+    RP_TRY(dem_room("threads", &own->done, sizeof *own->done, chunks, &own->done_capacity));
     find_done(sim, part, own->done);
     find_slots(sim, part);
     return RP_OK;

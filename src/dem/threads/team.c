@@ -1,11 +1,12 @@
-/* Threads and their tasks; see team.h. */
-#include "dem/threads/team.h"
+/* Threads and their tasks; see threads.h. */
+#include "dem/threads/threads.h"
 
 #include <math.h>
 #include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <unistd.h>
 
 typedef struct {
