@@ -8,8 +8,7 @@
 
 static dem_vec turned(const dem_sim *sim, const double x[2])
 {
-    return sim->walls.turn[0] * (dem_vec){x[0], x[1]} +
-           sim->walls.turn[1] * dem_clockwise((dem_vec){x[0], x[1]});
+    return sim->walls.turn[0] * dem_vec_of(x) + sim->walls.turn[1] * dem_clockwise(dem_vec_of(x));
 }
 
 double dem_wall_reach(const dem_wall *wall)
@@ -25,9 +24,8 @@ double dem_wall_reach(const dem_wall *wall)
 /* Put a wall that moves by itself where it is at this step. */
 static void carry(dem_wall_line *line, const dem_wall *wall, double t)
 {
-    const dem_vec pivot = {wall->pivot[0], wall->pivot[1]},
-                  arm = (dem_vec){wall->point[0], wall->point[1]} - pivot,
-                  direction = {wall->direction[0], wall->direction[1]};
+    const dem_vec pivot = dem_vec_of(wall->pivot), arm = dem_vec_of(wall->point) - pivot,
+                  direction = dem_vec_of(wall->direction);
     line->pivot = pivot + t * line->drift;
     line->point = line->pivot + line->turn[0] * arm + line->turn[1] * dem_clockwise(arm);
     line->direction = line->turn[0] * direction + line->turn[1] * dem_clockwise(direction);
@@ -52,7 +50,7 @@ static void set_off(dem_wall_line *line, const dem_wall *wall, double dt)
 {
     double sine, cosine;
     dem_sine_cosine(-wall->omega * dt, &sine, &cosine);
-    line->drift = (dem_vec){wall->velocity[0], wall->velocity[1]};
+    line->drift = dem_vec_of(wall->velocity);
     line->turn = (dem_vec){1.0, 0.0};
     line->turn_of_step = (dem_vec){cosine, sine};
     line->swing = swing_of(line->turn_of_step, dt);
@@ -74,8 +72,8 @@ rp_status dem_walls_place(dem_sim *sim, const dem_definition *def)
         dem_wall_line *line = &walls->line[w];
         wall->material.mu_roll = dem_finite_mu(wall->material.mu_roll);
         walls->mu[w] = dem_finite_mu(wall->material.mu);
-        *line = (dem_wall_line){.point = {wall->point[0], wall->point[1]},
-                                .direction = {wall->direction[0], wall->direction[1]},
+        *line = (dem_wall_line){.point = dem_vec_of(wall->point),
+                                .direction = dem_vec_of(wall->direction),
                                 .moves = dem_wall_moves(wall),
                                 .plain = dem_wall_is_line(wall) && wall->open_at_step < 0 &&
                                          !dem_wall_moves(wall)};
@@ -192,7 +190,7 @@ dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall)
     const dem_wall *w = &sim->walls.wall[wall];
     const dem_wall_line *line = &sim->walls.line[wall];
     const dem_vec point = line->point, direction = line->direction, force = sim->walls.force[wall],
-                  pivot = line->moves ? line->pivot : (dem_vec){w->pivot[0], w->pivot[1]};
+                  pivot = line->moves ? line->pivot : dem_vec_of(w->pivot);
     double lo = w->extent[0];
     const double hi = w->extent[1];
     const bool open = dem_wall_opens(sim, wall);

@@ -107,8 +107,7 @@ static rp_status check_grain(dem_sim *sim, size_t i)
 
 static rp_status check_grains(dem_sim *sim, dem_part *part)
 {
-    const size_t end = dem_share_end(part, sim->grains.n, 1);
-    for (size_t i = dem_share_start(part, sim->grains.n, 1); i < end; i++) RP_TRY(check_grain(sim, i));
+    for (size_t i = part->from; i < part->to; i++) RP_TRY(check_grain(sim, i));
     return RP_OK;
 }
 
@@ -129,15 +128,13 @@ static void mark_grain(dem_sim *sim, size_t i, double speed)
 
 static rp_status move_grains(dem_sim *sim, dem_part *part)
 {
-    dem_grains_put(&sim->grains, sim->grains.moved_to, &sim->list.work->spare,
-                   dem_share_start(part, sim->grains.n, 1), dem_share_end(part, sim->grains.n, 1));
+    dem_grains_put(&sim->grains, sim->grains.moved_to, &sim->list.work->spare, part->from, part->to);
     return RP_OK;
 }
 
 static rp_status mark_grains(dem_sim *sim, dem_part *part)
 {
-    const size_t end = dem_share_end(part, sim->grains.n, DEM_GROUP);
-    for (size_t i = dem_share_start(part, sim->grains.n, DEM_GROUP); i < end; i++) {
+    for (size_t i = part->from; i < part->to; i++) {
         const dem_vec x = sim->grains.motion[i].x;
         mark_grain(sim, i, speed_of(&sim->grains.motion[i]));
         sim->grains.held[i] = DEM_NOWHERE;
@@ -151,13 +148,13 @@ static rp_status sort_grains(dem_sim *sim)
 {
     dem_cells *const cells = &sim->list.work->cells;
     RP_TRY(dem_cells_sort(sim, cell_size(sim, sim->list.fastest)));
-    RP_TRY(dem_threads_do(sim, move_grains));
+    RP_TRY(dem_threads_do(sim, move_grains, sim->grains.n, 1));
     dem_grains_take(&sim->grains, &sim->list.work->spare, cells->start[cells->columns * cells->rows]);
     sim->grains.n_fixed = 0;
     for (size_t i = 0; i < sim->grains.n; i++)
         if (dem_is_fixed(sim, i)) sim->grains.fixed[sim->grains.n_fixed++] = (uint32_t)i;
     sim->list.far2 = 0.0;
-    return dem_threads_do(sim, mark_grains);
+    return dem_threads_do(sim, mark_grains, sim->grains.n, DEM_GROUP);
 }
 
 /* Round-off of a position at this squared distance from the origin, at most. */
@@ -171,10 +168,9 @@ static double round_off(const dem_sim *sim, double far2)
 static rp_status hold_part(dem_sim *sim, dem_part *part)
 {
     const dem_pairs *pairs = &sim->pairs;
-    const size_t from = dem_share_start(part, pairs->n, 64), end = dem_share_end(part, pairs->n, 64);
     dem_pairs *held = &sim->list.work->held;
-    uint32_t n = (uint32_t)dem_count_touching_below(pairs, from), *const first = sim->grains.held;
-    DEM_EACH_TOUCHING_OF(pairs, from, end, k)
+    uint32_t n = (uint32_t)dem_count_touching_below(pairs, part->from), *const first = sim->grains.held;
+    DEM_EACH_TOUCHING_OF(pairs, part->from, part->to, k)
     {
         const uint32_t a = sim->grains.moved_to[pairs->i[k]], b = sim->grains.moved_to[pairs->j[k]];
         if (a == DEM_NOWHERE || b == DEM_NOWHERE) continue;
@@ -257,10 +253,9 @@ static rp_status part_pairs(dem_sim *sim)
 /* The part's share of the new list. */
 static rp_status complete_part(dem_sim *sim, dem_part *part)
 {
-    const size_t from = dem_share_start(part, sim->pairs.n, 64), end = dem_share_end(part, sim->pairs.n, 64);
-    complete_pairs(sim, from, end);
-    find_touching(sim, from, end);
-    DEM_EACH_TOUCHING_OF(&sim->pairs, from, end, k)
+    complete_pairs(sim, part->from, part->to);
+    find_touching(sim, part->from, part->to);
+    DEM_EACH_TOUCHING_OF(&sim->pairs, part->from, part->to, k)
     restore_springs(sim, k, sim->pairs.i[k], sim->pairs.j[k]);
     return RP_OK;
 }
@@ -282,8 +277,7 @@ static bool is_near_wall(const dem_sim *sim, size_t k, size_t i)
 /* Grains near any wall. */
 static rp_status find_near_walls(dem_sim *sim, dem_part *part)
 {
-    const size_t end = dem_share_end(part, sim->grains.n, 1);
-    for (size_t i = dem_share_start(part, sim->grains.n, 1); i < end; i++) {
+    for (size_t i = part->from; i < part->to; i++) {
         bool near = false;
         for (size_t k = 0; k < sim->def.n_walls && !near; k++) near = is_near_wall(sim, k, i);
         sim->grains.cell[i] = near;
@@ -301,7 +295,7 @@ static rp_status find_wall_slots(dem_sim *sim)
     memset(sim->grains.held_slot, 0xff, sim->grains.n * sizeof *sim->grains.held_slot);
     RP_TRY(dem_room("neighbour list", &w->wall_slot, sizeof *w->wall_slot, n_old, &w->wall_capacity));
     if (n_old) memcpy(w->wall_slot, sim->walls.slot, n_old * sizeof *w->wall_slot);
-    RP_TRY(dem_threads_do(sim, find_near_walls));
+    RP_TRY(dem_threads_do(sim, find_near_walls, sim->grains.n, 1));
     for (uint32_t i = 0; i < sim->grains.n; i++)
         if (near[i]) near[n_near++] = i;
     sim->walls.n_slots = 0;
@@ -323,8 +317,7 @@ static rp_status find_wall_slots(dem_sim *sim)
             slot->grain = i;
         }
     }
-    dem_walls_find_starts(&sim->walls, sim->def.n_walls);
-    dem_walls_link(&sim->walls, sim->grains.n, sim->grains.held_slot);
+    dem_walls_link(&sim->walls, sim->def.n_walls, sim->grains.n, sim->grains.held_slot);
     return RP_OK;
 }
 
@@ -332,16 +325,16 @@ rp_status dem_neighbours_rebuild(dem_sim *sim)
 {
     dem_neighbours_close_gaps(sim);
     sim->list.fastest = 0.0;
-    RP_TRY(dem_threads_do(sim, check_grains));
+    RP_TRY(dem_threads_do(sim, check_grains, sim->grains.n, 1));
     sim->count.rebuilds++;
     RP_TRY(sort_grains(sim));
     dem_walls_limit(sim, sqrt(sim->list.far2));
     sim->list.round_off = round_off(sim, sim->list.far2);
     RP_TRY(dem_pairs_reserve(&sim->list.work->held, dem_count_touching(&sim->pairs)));
-    RP_TRY(dem_threads_do(sim, hold_part));
+    RP_TRY(dem_threads_do(sim, hold_part, sim->pairs.n, 64));
     RP_TRY(dem_cells_find_pairs(sim));
     if (sim->def.hard.on) RP_TRY(part_pairs(sim));
-    RP_TRY(dem_threads_do(sim, complete_part));
+    RP_TRY(dem_threads_do(sim, complete_part, sim->pairs.n, 64));
     dem_pairs_pad(&sim->pairs);
     RP_TRY(find_wall_slots(sim));
     RP_TRY(dem_pairs_plan_chunks(&sim->pairs, sim->grains.n));

@@ -186,7 +186,7 @@ static rp_status append_grain(dem_sim *sorted, size_t p, size_t level)
 static rp_status find_part(dem_sim *sim, dem_part *part)
 {
     const struct dem_sizes *z = sim->list.sizes;
-    const size_t from = dem_share_start(part, sim->grains.n, 1), end = dem_share_end(part, sim->grains.n, 1);
+    const size_t from = part->from, end = part->to;
     rp_status status = RP_OK;
     dem_threads_collect(sim, part);
     dem_sim sorted = *sim;
@@ -215,8 +215,7 @@ static unsigned place(const struct dem_sizes *z, uint32_t a, uint32_t b)
 static rp_status name_part(dem_sim *sim, dem_part *part)
 {
     const struct dem_sizes *z = sim->list.sizes;
-    const size_t end = dem_share_end(part, sim->pairs.n, 1);
-    for (size_t k = dem_share_start(part, sim->pairs.n, 1); k < end; k++) {
+    for (size_t k = part->from; k < part->to; k++) {
         const uint32_t a = z->grain[sim->pairs.i[k]], b = z->grain[sim->pairs.j[k]];
         const unsigned at = place(z, a, b);
         const bool turned = (at == 0) | ((at == 1) & (b < a));
@@ -229,7 +228,7 @@ static rp_status name_part(dem_sim *sim, dem_part *part)
 /* Sort the pairs of the part's share of the grains; their keys are together already, up to held_slot. */
 static rp_status order_part(dem_sim *sim, dem_part *part)
 {
-    const size_t from = dem_share_start(part, sim->grains.n, 1), end = dem_share_end(part, sim->grains.n, 1);
+    const size_t from = part->from, end = part->to;
     uint64_t *const key = sim->list.sizes->key;
     const uint32_t *until = sim->grains.held_slot;
     for (size_t i = from, k = i > 0 ? until[i - 1] : 0; i < end; i++)
@@ -250,7 +249,7 @@ static rp_status order_pairs(dem_sim *sim)
 {
     struct dem_sizes *z = sim->list.sizes;
     uint32_t *const start = sim->grains.held_slot, n = 0;
-    RP_TRY(dem_threads_do(sim, name_part));
+    RP_TRY(dem_threads_do(sim, name_part, sim->pairs.n, 1));
     RP_TRY(dem_room("neighbour list", &z->key, sizeof *z->key, sim->pairs.n, &z->key_capacity));
     memset(start, 0, sim->grains.n * sizeof *start);
     for (size_t k = 0; k < sim->pairs.n; k++) start[sim->pairs.i[k]]++;
@@ -263,7 +262,7 @@ static rp_status order_pairs(dem_sim *sim)
         const uint32_t i = sim->pairs.i[k], j = sim->pairs.j[k];
         z->key[start[i]++] = (uint64_t)place(z, i, j) << 32 | j;
     }
-    return dem_threads_do(sim, order_part);
+    return dem_threads_do(sim, order_part, sim->grains.n, 1);
 }
 
 rp_status dem_sizes_find_pairs(dem_sim *sim)
@@ -273,7 +272,7 @@ rp_status dem_sizes_find_pairs(dem_sim *sim)
     RP_TRY(reserve_grains(z, sim->grains.capacity));
     RP_TRY(choose_levels(z, sim));
     sort_grains(z, sim);
-    RP_TRY(dem_threads_do(sim, find_part));
+    RP_TRY(dem_threads_do(sim, find_part, sim->grains.n, 1));
     RP_TRY(dem_threads_gather(sim));
     return order_pairs(sim);
 }

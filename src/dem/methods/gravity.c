@@ -7,7 +7,7 @@
 
 static void set(dem_sim *sim, const double g[2])
 {
-    sim->gravity = (dem_vec){g[0], g[1]};
+    sim->gravity = dem_vec_of(g);
     sim->gravity_norm = sqrt(dem_dot(sim->gravity, sim->gravity));
 }
 

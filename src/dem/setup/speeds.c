@@ -7,8 +7,8 @@
 
 static dem_vec end_of(const dem_wall *wall, int end)
 {
-    const dem_vec direction = {wall->direction[0], wall->direction[1]};
-    return (dem_vec){wall->point[0], wall->point[1]} + wall->extent[end] * dem_clockwise(direction);
+    const dem_vec direction = dem_vec_of(wall->direction);
+    return dem_vec_of(wall->point) + wall->extent[end] * dem_clockwise(direction);
 }
 
 double dem_wall_speed(const dem_definition *def, const dem_wall *wall)

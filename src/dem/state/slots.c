@@ -23,14 +23,6 @@ void dem_walls_free(dem_walls *walls)
 #undef X
 }
 
-void dem_walls_find_starts(dem_walls *walls, size_t n)
-{
-    for (size_t w = 0, k = 0; w <= n; w++) {
-        while (k < walls->n_slots && walls->slot[k].wall < w) k++;
-        walls->start[w] = k;
-    }
-}
-
 /* Is a slot of this grain, before this last one, of a segment? */
 static bool has_segment(const dem_walls *w, size_t last)
 {
@@ -40,8 +32,12 @@ static bool has_segment(const dem_walls *w, size_t last)
     return has;
 }
 
-void dem_walls_link(dem_walls *walls, size_t n_grains, uint32_t *last)
+void dem_walls_link(dem_walls *walls, size_t n, size_t n_grains, uint32_t *last)
 {
+    for (size_t w = 0, k = 0; w <= n; w++) {
+        while (k < walls->n_slots && walls->slot[k].wall < w) k++;
+        walls->start[w] = k;
+    }
     memset(last, 0xff, n_grains * sizeof *last);
     for (uint32_t k = 0; k < walls->n_slots; k++) {
         dem_wall_slot *slot = &walls->slot[k];

@@ -93,8 +93,8 @@ static inline double dem_finite_mu(double mu)
     return fmin(mu, 1e300);
 }
 
-/* Of n walls, the first slot of each; and the slots of each of n_grains, with as many numbers of room. */
-void dem_walls_find_starts(dem_walls *walls, size_t n);
-void dem_walls_link(dem_walls *walls, size_t n_grains, uint32_t *last);
+/* Find the first slot of each of n walls, and chain the slots of each of n_grains, with as many numbers of
+ * room. */
+void dem_walls_link(dem_walls *walls, size_t n, size_t n_grains, uint32_t *last);
 
 #endif

@@ -10,6 +10,11 @@
 /* Two doubles as one value: + - * act on both. */
 typedef double dem_vec __attribute__((vector_size(16)));
 
+static inline dem_vec dem_vec_of(const double x[2])
+{
+    return (dem_vec){x[0], x[1]};
+}
+
 static inline double dem_dot(dem_vec a, dem_vec b)
 {
     dem_vec p = a * b;

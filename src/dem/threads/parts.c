@@ -24,7 +24,7 @@ bool dem_threads_divided(const dem_sim *sim)
 rp_status dem_threads_do_parts(dem_sim *sim, dem_task *task)
 {
     dem_part all = {.of = 1, .grain_end = sim->grains.n, .pair_end = sim->pairs.n, .done = sim->pairs.done};
-    return dem_threads_divided(sim) ? dem_threads_do(sim, task) : task(sim, &all);
+    return dem_threads_divided(sim) ? dem_threads_do(sim, task, 0, 1) : task(sim, &all);
 }
 
 static inline bool has(const dem_part *part, uint32_t i)
@@ -59,7 +59,7 @@ rp_status dem_threads_gather(dem_sim *sim)
     sim->pairs.n = 0;
     RP_TRY(dem_pairs_reserve(&sim->pairs, n));
     sim->pairs.n = n;
-    return dem_threads_do(sim, gather);
+    return dem_threads_do(sim, gather, 0, 1);
 }
 
 /* Stretches of the list with as many pairs each. The grains whose pairs begin there, rounded to groups, are
@@ -73,7 +73,7 @@ static rp_status set_bounds(dem_sim *sim)
     for (size_t t = 0; t < team->n; t++) {
         dem_part *part = &team->part[t];
         part->pair = pair, part->grain = grain;
-        pair = part->pair_end = dem_share_end(part, sim->pairs.n, 64);
+        pair = part->pair_end = t + 1 == team->n ? sim->pairs.n : sim->pairs.n * (t + 1) / team->n / 64 * 64;
         grain = part->grain_end =
             t + 1 == team->n ? sim->grains.n : sim->pairs.i[pair] / DEM_GROUP * DEM_GROUP;
         part->late = team->late;
@@ -200,9 +200,9 @@ rp_status dem_threads_divide(dem_sim *sim)
 {
     if (!dem_threads_divided(sim)) return RP_OK;
     RP_TRY(set_bounds(sim));
-    RP_TRY(dem_threads_do(sim, find_border));
-    RP_TRY(dem_threads_do(sim, plan));
-    return dem_threads_do(sim, take_forces);
+    RP_TRY(dem_threads_do(sim, find_border, 0, 1));
+    RP_TRY(dem_threads_do(sim, plan, 0, 1));
+    return dem_threads_do(sim, take_forces, 0, 1);
 }
 
 /* They touch or not as in their own part, which reports an overlap that is too deep. */

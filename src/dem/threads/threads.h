@@ -9,6 +9,7 @@
  * of 64 on; else shares of arrays. */
 typedef struct {
     size_t index, of;
+    size_t from, to; /* of the things that a task shares */
     size_t grain, grain_end, pair, pair_end;
     const uint32_t *done; /* as dem_pairs has it, for the chunks of these pairs and the grains of the part */
     const bool *late;     /* groups of grains that another part reads; NULL: none */
@@ -37,20 +38,10 @@ struct dem_team {
 struct dem_team *dem_team_start(size_t n);
 void dem_team_end(struct dem_team *team);
 
-/* The task at once for each thread, or without threads for a part that is all: of shares of some arrays, or
- * of the parts of a divided pile. Errors: those of the task, of the first part that has one. */
-rp_status dem_threads_do(dem_sim *sim, dem_task *task);
-
-/* The part's share of n things, from and to a multiple of `unit` or the end. */
-static inline size_t dem_share_start(const dem_part *part, size_t n, size_t unit)
-{
-    return n * part->index / part->of / unit * unit;
-}
-
-static inline size_t dem_share_end(const dem_part *part, size_t n, size_t unit)
-{
-    return part->index + 1 == part->of ? n : n * (part->index + 1) / part->of / unit * unit;
-}
+/* The task at once for each thread, or without threads for a part that is all: of its share of n things, from
+ * and to a multiple of `unit` or the end; or with n = 0, of its part of a divided pile. Errors: those of the
+ * task, of the first part that has one. */
+rp_status dem_threads_do(dem_sim *sim, dem_task *task, size_t n, size_t unit);
 
 /* ---- Parts of one large pile, one for each thread; parts.c. A part sums the forces on its own grains, from
  * its stretch of the list and from copies of the other pairs that these grains have. It takes all of them in
