@@ -1664,7 +1664,7 @@ static void test_physics(void)
     } list[] = {
 #define ROW(...) ROW_OF(__VA_ARGS__)
 #define ROW_OF(kind, type, name, key, unit, fallback, range, also, ...)                                      \
-    {#name, key, fallback, DEM_ALLOWED_##kind(range, also)},
+    {#name, key, fallback, range also},
         DEM_PHYSICS(ROW)};
     for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
         bool in_scene = false;

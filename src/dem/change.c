@@ -37,30 +37,21 @@ static rp_status copy_grains(rp_arena *arena, const dem_sim *sim, const choice *
     return RP_OK;
 }
 
-static int by_id(const void *a, const void *b)
-{
-    const uint32_t p = *(const uint32_t *)a, q = *(const uint32_t *)b;
-    return (p > q) - (p < q);
-}
-
-static uint32_t number_of(uint32_t id, const uint32_t ids[], size_t n)
-{
-    const uint32_t *at = id ? bsearch(&id, ids, n, sizeof *ids, by_id) : NULL;
-    return at ? (uint32_t)(at - ids) + 1 : 0;
-}
-
 /* Its contacts, by the numbers of the grains. */
 static rp_status copy_contacts(rp_arena *arena, const dem_sim *sim, dem_definition *def, const uint32_t ids[])
 {
     dem_contact *contacts;
+    uint32_t *number; /* of each id, from 1; 0: left out, or a wall */
     size_t n;
+    RP_NEW(arena, number, sim->grains.last_id + 1);
+    for (size_t k = 0; k < def->n_grains; k++) number[ids[k]] = (uint32_t)k + 1;
     RP_TRY(dem_contacts(sim, &contacts, &n));
     if (!rp_arena_keep(arena, contacts, free)) return RP_NO_MEMORY;
     def->contacts = contacts, def->n_contacts = 0;
     for (size_t k = 0; k < n; k++) {
         dem_contact c = contacts[k];
         const bool wall = c.id_b == 0;
-        c.id_a = number_of(c.id_a, ids, def->n_grains), c.id_b = number_of(c.id_b, ids, def->n_grains);
+        c.id_a = number[c.id_a], c.id_b = number[c.id_b];
         if (c.id_a && (wall || c.id_b)) contacts[def->n_contacts++] = c;
     }
     return RP_OK;

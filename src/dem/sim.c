@@ -52,17 +52,15 @@ static rp_status list_contacts(dem_sim *sim, size_t n, const dem_contact *contac
 /* Forces of the start, with velocities and springs of the start; then the integrator's own start. */
 static rp_status start_forces(dem_sim *sim, const dem_definition *def)
 {
-    rp_status status = list_contacts(sim, def->n_contacts, def->contacts);
-    if (!status) status = dem_neighbours_rebuild(sim);
-    if (status) return status;
+    RP_TRY(list_contacts(sim, def->n_contacts, def->contacts));
+    RP_TRY(dem_neighbours_rebuild(sim));
     sim->loops.pairs(sim, 0, sim->pairs.n, 0.0);
     dem_walls_apply(sim, 0, sim->grains.n, 0.0);
-    if (def->lines) status = dem_check_listed(sim, def->lines);
-    if (!status && sim->too_deep)
-        status = dem_check_overlaps(sim, (dem_stretch){0, sim->pairs.n}, (dem_stretch){0, sim->grains.n});
-    if (!status) status = dem_check_start_overlaps(sim);
-    if (!status && sim->ledger) status = dem_ledger_forces(sim, 0.0);
-    if (status) return status;
+    if (def->lines) RP_TRY(dem_check_listed(sim, def->lines));
+    if (sim->too_deep)
+        RP_TRY(dem_check_overlaps(sim, (dem_stretch){0, sim->pairs.n}, (dem_stretch){0, sim->grains.n}));
+    RP_TRY(dem_check_start_overlaps(sim));
+    if (sim->ledger) RP_TRY(dem_ledger_forces(sim, 0.0));
     if (sim->scheme->start) sim->scheme->start(sim, 0);
     if (sim->ledger) dem_ledger_start(sim);
     return RP_OK;
@@ -119,10 +117,9 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     sim->pairs.rolling = dem_has_rolling(def);
     sim->pairs.chunk = CHUNK;
     dem_gravity_start(sim);
-    rp_status status = dem_walls_place(sim, def);
+    RP_TRY(dem_walls_place(sim, def));
     dem_loops_choose(sim);
-    if (!status) status = dem_grains_reserve(sim, def->n_grains, false, &sim->grains);
-    if (status) return status;
+    RP_TRY(dem_grains_reserve(sim, def->n_grains, false, &sim->grains));
     put_grains(sim, def);
     sim->list.skin = def->skin > 0.0 ? def->skin : 0.4 * sim->start.radius_mean;
     sim->list.even_margins = def->skin > 0.0 || sim->scheme->even_margins;
@@ -131,9 +128,9 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     const char *limit_of;
     sim->start.dt_limit = dem_time_step_limit(def, &limit_of);
     snprintf(sim->start.dt_limit_of, sizeof sim->start.dt_limit_of, "%s", limit_of);
-    status = dem_neighbours_alloc(sim);
-    if (!status && def->ledger) status = dem_ledger_alloc(sim);
-    return status ? status : start_forces(sim, def);
+    RP_TRY(dem_neighbours_alloc(sim));
+    if (def->ledger) RP_TRY(dem_ledger_alloc(sim));
+    return start_forces(sim, def);
 }
 
 rp_status dem_create(const dem_definition *def, dem_sim **sim)

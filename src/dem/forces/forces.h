@@ -55,6 +55,9 @@ void dem_walls_limit(dem_sim *sim, double far);
 /* Is the wall a whole line at rest: nothing of it is open, and it does not move in this step? */
 bool dem_wall_rests(const dem_sim *sim, size_t k);
 
+/* The ends of a wall as it is now, along its tangent; false of one that is gone. */
+bool dem_wall_ends(const dem_sim *sim, size_t wall, double ends[2]);
+
 /* Geometry of a wall contact at the present step: unit vector from the wall's nearest point to the grain,
  * velocity of the wall there, overlap, and whether that point is an end. Brings slot->side up to date. False
  * where the wall is open. */

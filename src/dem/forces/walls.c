@@ -191,22 +191,17 @@ dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall)
     const dem_wall_line *line = &sim->walls.line[wall];
     const dem_vec point = line->point, direction = line->direction, force = sim->walls.force[wall],
                   pivot = line->moves ? line->pivot : dem_vec_of(w->pivot);
-    double lo = w->extent[0];
-    const double hi = w->extent[1];
-    const bool open = dem_wall_opens(sim, wall);
-    if (open)
-        lo = isinf(w->open_speed)
-                 ? hi
-                 : fmin(lo + w->open_speed * sim->def.dt * (double)(sim->step - w->open_at_step), hi);
+    double ends[2];
+    if (!dem_wall_ends(sim, wall, ends)) ends[0] = ends[1];
     return (dem_wall_state){.point = {point[0], point[1]},
                             .direction = {direction[0], direction[1]},
-                            .ends = {lo, hi},
+                            .ends = {ends[0], ends[1]},
                             .force = {force[0], force[1]},
                             .pivot = {pivot[0], pivot[1]},
                             .velocity = {w->velocity[0], w->velocity[1]},
                             .angle = line->angle + w->omega * sim->def.dt * (double)(sim->step - line->since),
                             .mu = w->material.mu,
-                            .open = open};
+                            .open = dem_wall_opens(sim, wall)};
 }
 
 static void apply_slot(dem_sim *sim, dem_wall_slot *slot, double h)

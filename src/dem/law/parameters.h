@@ -29,7 +29,7 @@
 #define DEM_WALL(factor)     factor
 #define DEM_MEANING(text)    text
 /* All but a key's own columns: of a parameter that no wall has. */
-#define DEM_NO_WALL DEM_ALSO(""), DEM_AUTOMATIC(0), DEM_WALL(0)
+#define DEM_NO_WALL DEM_ALSO(), DEM_AUTOMATIC(0), DEM_WALL(0)
 /* A choice of the words of a list, see choices.h. */
 #define DEM_CHOICE(X, name, KEY, DEFAULT, LIST, MEANING)                                                     \
     X(SCENE, RP_CHOICE, name, KEY, DEM_UNIT(""), DEFAULT, DEM_RANGE(DEM_WORDS(LIST)), DEM_NO_WALL, MEANING,  \
@@ -131,19 +131,12 @@
 
 /* Rows of a schema whose values are in member `at` of a structure T. In a scene file they have their keys,
  * elsewhere their names. */
-#define DEM_ALLOWED_MATERIAL(range, also) range also
-#define DEM_ALLOWED_SCENE(range, also)    range
-#define DEM_ALLOWED_GRAIN(range, also)    range
-#define DEM_ALLOWED_FILL(range, also)     range
-#define DEM_KEY_ROW(...)                  DEM_KEY_ROW_OF(__VA_ARGS__)
+#define DEM_KEY_ROW(...) DEM_KEY_ROW_OF(__VA_ARGS__)
 #define DEM_KEY_ROW_OF(T, at, kind, type, name, key, unit, fallback, range, also, automatic, wall, ...)      \
-    {key, unit, type, offsetof(T, at name), fallback, DEM_ALLOWED_##kind(range, also), __VA_ARGS__},
+    {key, unit, type, offsetof(T, at name), fallback, range also, __VA_ARGS__},
 #define DEM_NAME_ROW(...) DEM_NAME_ROW_OF(__VA_ARGS__)
 #define DEM_NAME_ROW_OF(T, at, kind, type, name, key, unit, fallback, range, also, automatic, wall, ...)     \
-    {#name,       unit,                                                                                      \
-     type,        offsetof(T, at name),                                                                      \
-     fallback,    DEM_ALLOWED_##kind(range, also),                                                           \
-     __VA_ARGS__, .inherited = true},
+    {#name, unit, type, offsetof(T, at name), fallback, range also, __VA_ARGS__, .inherited = true},
 
 /* Coefficients of one kind of contact, grain-grain or grain-wall. mu and mu_roll may be INFINITY.
  * Rolling resistance acts through the force of a spring and a dashpot against R_eff (omega_i - omega_j),

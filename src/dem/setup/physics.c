@@ -36,10 +36,9 @@ static void complete(const dem_definition *def, dem_material *m)
 void dem_physics_apply(const dem_physics *p, dem_definition *def)
 {
     dem_material *m = &def->material;
-#define SCENE_VALUE(kind, type, name, ...) DEM_IF_SCENE(kind, def->name = p->name;)
-    DEM_PHYSICS(SCENE_VALUE)
-#define MATERIAL_GIVEN(kind, type, name, ...) DEM_IF_MATERIAL(kind, m->name = p->name;)
-    DEM_PHYSICS(MATERIAL_GIVEN)
+#define GIVEN(kind, type, name, ...)                                                                         \
+    DEM_IF_SCENE(kind, def->name = p->name;) DEM_IF_MATERIAL(kind, m->name = p->name;)
+    DEM_PHYSICS(GIVEN)
     complete(def, m);
 }
 
@@ -47,10 +46,9 @@ dem_physics dem_physics_of(const dem_definition *def, double density)
 {
     dem_physics p = {.density = density};
     const dem_material *m = &def->material;
-#define SCENE_OF(kind, type, name, ...) DEM_IF_SCENE(kind, p.name = def->name;)
-    DEM_PHYSICS(SCENE_OF)
-#define MATERIAL_OF(kind, type, name, ...) DEM_IF_MATERIAL(kind, p.name = m->name;)
-    DEM_PHYSICS(MATERIAL_OF)
+#define TAKEN(kind, type, name, ...)                                                                         \
+    DEM_IF_SCENE(kind, p.name = def->name;) DEM_IF_MATERIAL(kind, p.name = m->name;)
+    DEM_PHYSICS(TAKEN)
     if (p.restitution == 0.0) p.restitution = -1.0;
     return p;
 }
@@ -89,10 +87,10 @@ rp_status dem_restitution_check(const dem_definition *def, const dem_material *m
 /* gamma_n of a contact of mass m_eff whose impacts have the restitution. */
 static rp_status find_damping(const dem_definition *def, double m_eff, dem_material *m)
 {
-    rp_status status = dem_restitution_check(def, m);
-    if (status || !(m->restitution > 0.0)) return status;
+    RP_TRY(dem_restitution_check(def, m));
+    if (!(m->restitution > 0.0)) return RP_OK;
     if (!(m->k_n > 0.0)) return rp_fail(RP_BAD_INPUT, "restitution = %g: needs k_n > 0", m->restitution);
-    status = dem_damping_of(
+    const rp_status status = dem_damping_of(
         &(dem_head_on){def->normal, def->tension, .k_n = m->k_n, .m_eff = m_eff, .v = def->restitution_speed},
         m->restitution, &m->gamma_n);
     m->restitution = -1.0;
@@ -105,15 +103,6 @@ void dem_physics_free(dem_definition *copy, const dem_definition *def)
     copy->wall_list = def->wall_list;
 }
 
-/* The walls of the copy, that may be changed; NULL without memory. */
-static dem_wall *own_walls(dem_definition *copy)
-{
-    if (!copy->wall_list) return copy->walls;
-    dem_wall *walls = malloc((copy->n_walls + 1) * sizeof *walls);
-    if (walls) memcpy(walls, copy->wall_list, copy->n_walls * sizeof *walls);
-    return walls;
-}
-
 rp_status dem_physics_resolve(dem_definition *def)
 {
     if (def->n_walls > DEM_FEW_WALLS && !def->wall_list)
@@ -121,9 +110,10 @@ rp_status dem_physics_resolve(dem_definition *def)
     bool asked = def->material.restitution > 0.0;
     for (size_t w = 0; w < def->n_walls; w++) asked |= dem_walls_of(def)[w].material.restitution > 0.0;
     if (!asked) return RP_OK;
-    dem_wall *walls = own_walls(def);
+    dem_wall *walls = malloc((def->n_walls + 1) * sizeof *walls);
     if (!walls) return rp_fail(RP_NO_MEMORY, "%zu walls: out of memory", def->n_walls);
-    if (def->wall_list) def->wall_list = walls;
+    memcpy(walls, dem_walls_of(def), def->n_walls * sizeof *walls);
+    def->wall_list = walls;
     double mass = 0.0;
     for (size_t i = 0; i < def->n_grains; i++) mass += def->grains[i].m / (double)def->n_grains;
     RP_TRY(find_damping(def, 0.5 * mass, &def->material));

@@ -23,15 +23,6 @@ void dem_walls_free(dem_walls *walls)
 #undef X
 }
 
-/* Is a slot of this grain, before this last one, of a segment? */
-static bool has_segment(const dem_walls *w, size_t last)
-{
-    bool has = false;
-    for (size_t k = w->slot[last].next; k != last; k = w->slot[k].next)
-        has |= !dem_wall_is_line(&w->wall[w->slot[k].wall]);
-    return has;
-}
-
 void dem_walls_link(dem_walls *walls, size_t n, size_t n_grains, uint32_t *last)
 {
     for (size_t w = 0, k = 0; w <= n; w++) {
@@ -48,6 +39,8 @@ void dem_walls_link(dem_walls *walls, size_t n, size_t n_grains, uint32_t *last)
             walls->slot[*before].next = k & INT32_MAX;
         }
         *before = k;
-        slot->leads = !dem_wall_is_line(&walls->wall[slot->wall]) && !has_segment(walls, k);
+        slot->leads = !dem_wall_is_line(&walls->wall[slot->wall]);
+        for (size_t o = slot->next; o != k; o = walls->slot[o].next)
+            slot->leads &= dem_wall_is_line(&walls->wall[walls->slot[o].wall]);
     }
 }
