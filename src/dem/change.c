@@ -13,7 +13,7 @@
 
 /* Which grains are left out; NULL: none. */
 typedef struct {
-    bool (*in)(const void *region, uint32_t id, double x, double y);
+    dem_in_region *in;
     const void *region;
 } choice;
 
@@ -134,8 +134,7 @@ rp_status dem_change(dem_sim **sim, const dem_definition *laws)
     return renew(sim, laws, &(choice){0});
 }
 
-rp_status dem_remove(dem_sim **sim, bool (*in)(const void *region, uint32_t id, double x, double y),
-                     const void *region)
+rp_status dem_remove(dem_sim **sim, dem_in_region *in, const void *region)
 {
     return renew(sim, &(*sim)->def, &(choice){in, region});
 }

@@ -217,11 +217,7 @@ typedef struct dem_sim dem_sim;
     X(DEM_FAULT_OVERLAP, "overlap")                                                                          \
     X(DEM_FAULT_TOO_FAST, "too_fast")                                                                        \
     X(DEM_FAULT_NOT_SOLVED, "not_solved")
-typedef enum {
-#define X(name, text) name,
-    DEM_FAULT_LIST(X)
-#undef X
-} dem_fault;
+typedef enum { DEM_FAULT_LIST(DEM_ID) } dem_fault;
 const char *dem_fault_text(dem_fault fault);
 
 /* Largest time step that the definition allows, 3.4/(3 gamma + sqrt(9 gamma^2 + 12 omega^2)): 0.85 of the
@@ -258,8 +254,8 @@ uint64_t dem_keep_layout(void);
 rp_status dem_change(dem_sim **sim, const dem_definition *laws);
 
 /* The same with fewer grains, and the laws that hold: those of a region are taken out. */
-rp_status dem_remove(dem_sim **sim, bool (*in)(const void *region, uint32_t id, double x, double y),
-                     const void *region);
+typedef bool dem_in_region(const void *region, uint32_t id, double x, double y);
+rp_status dem_remove(dem_sim **sim, dem_in_region *in, const void *region);
 
 /* All velocities and spins become 0; springs stay. Errors: RP_NO_MEMORY. */
 rp_status dem_halt(dem_sim *sim);
@@ -423,8 +419,8 @@ typedef struct {
     double contact_number; /* mean contacts a grain, walls counted once */
 } dem_rest;
 rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *rest); /* RP_NO_MEMORY */
-rp_status dem_rest_in(const dem_sim *sim, bool (*in)(const void *region, uint32_t id, double x, double y),
-                      const void *region, dem_rest *rest); /* RP_NO_MEMORY */
+rp_status dem_rest_in(const dem_sim *sim, dem_in_region *in, const void *region,
+                      dem_rest *rest); /* RP_NO_MEMORY */
 
 /* At rest: the mean kinetic energy is at most `energy`, and the largest net force on a grain with a contact
  * at most `force`; in a box these are the constants, m g d and m g. Forces count because energies are small

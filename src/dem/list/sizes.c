@@ -186,14 +186,13 @@ static rp_status append_grain(dem_sim *sorted, size_t p, size_t level)
 static rp_status find_part(dem_sim *sim, dem_part *part)
 {
     const struct dem_sizes *z = sim->list.sizes;
-    const size_t from = part->from, end = part->to;
     rp_status status = RP_OK;
     dem_threads_collect(sim, part);
     dem_sim sorted = *sim;
     sorted.grains.listed_x = z->x;
     sorted.grains.cutoff = z->cutoff;
     sorted.grains.inverse_mass = z->inverse_mass;
-    for (size_t p = from, level = 0; p < end && !status; p++) {
+    for (size_t p = part->from, level = 0; p < part->to && !status; p++) {
         while (p >= z->first[level + 1]) level++;
         status = append_grain(&sorted, p, level);
     }

@@ -111,9 +111,8 @@ static rp_status check_ground(const dem_definition *def)
     if (dem_has_spring(def->tangential))
         return rp_fail(RP_BAD_INPUT, "ground: the tangential law %s has static friction of its own",
                        dem_tangential_descriptors[def->tangential].name);
-    rp_status status = check_number("mu_static", g->mu_static, 0.0, "[0, inf)");
-    if (!status) status = check_number("a", g->a, DBL_MIN, "(0, inf)");
-    return rp_prefix(status, "ground: ");
+    RP_TRY(rp_prefix(check_number("mu_static", g->mu_static, 0.0, "[0, inf)"), "ground: "));
+    return rp_prefix(check_number("a", g->a, DBL_MIN, "(0, inf)"), "ground: ");
 }
 
 static rp_status check_hard(const dem_definition *def)
@@ -248,8 +247,8 @@ rp_status dem_material_check(const dem_definition *def, const dem_material *m)
 
 rp_status dem_physics_check(const dem_definition *def)
 {
-    rp_status status = dem_scheme_check(def);
-    return status ? status : dem_material_check(def, &def->material);
+    RP_TRY(dem_scheme_check(def));
+    return dem_material_check(def, &def->material);
 }
 
 rp_status dem_density_check(dem_shape shape, bool given)
