@@ -11,6 +11,7 @@
 
 /* For the schemas of params.h: "hertz | linear", and the manuals of the words. */
 #define DEM_WORDS(LIST)   (&(LIST(DEM_WORD))[3])
-#define DEM_MANUALS(LIST) ((const char *const[]){LIST(DEM_MANUAL)})
+#define DEM_MANUALS(LIST) ((dem_manuals){LIST(DEM_MANUAL)})
+typedef const char *const dem_manuals[];
 
 #endif

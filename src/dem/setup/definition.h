@@ -15,9 +15,9 @@ rp_status dem_way_check(double way, double r_min);
 rp_status dem_grain_check(const dem_definition *def, const dem_grain *grain);
 rp_status dem_scheme_check(const dem_definition *def);
 
-/* Put in the gamma_n that a restitution asks for, and what follows from it, in a copy of a definition; it may
- * then have a list of walls of its own, until dem_physics_free, also after an error. Errors: RP_BAD_INPUT,
- * RP_NO_MEMORY. */
+/* Put in the gamma_n that a restitution asks for, and what follows from it, in a copy of a definition; its
+ * list of walls may then be one of its own, until dem_physics_free, also after an error. Errors:
+ * RP_BAD_INPUT, RP_NO_MEMORY. */
 rp_status dem_physics_resolve(dem_definition *copy);
 void dem_physics_free(dem_definition *copy, const dem_definition *def);
 

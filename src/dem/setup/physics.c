@@ -104,6 +104,15 @@ void dem_physics_free(dem_definition *copy, const dem_definition *def)
     copy->wall_list = def->wall_list;
 }
 
+/* The walls of the copy, that may be changed; NULL without memory. */
+static dem_wall *own_walls(dem_definition *copy)
+{
+    if (!copy->wall_list) return copy->walls;
+    dem_wall *walls = malloc((copy->n_walls + 1) * sizeof *walls);
+    if (walls) memcpy(walls, copy->wall_list, copy->n_walls * sizeof *walls);
+    return walls;
+}
+
 rp_status dem_physics_resolve(dem_definition *def)
 {
     if (def->n_walls > DEM_FEW_WALLS && !def->wall_list)
@@ -111,10 +120,9 @@ rp_status dem_physics_resolve(dem_definition *def)
     bool asked = def->material.restitution > 0.0;
     for (size_t w = 0; w < def->n_walls; w++) asked |= dem_walls_of(def)[w].material.restitution > 0.0;
     if (!asked) return RP_OK;
-    dem_wall *walls = malloc((def->n_walls + 1) * sizeof *walls);
+    dem_wall *walls = own_walls(def);
     if (!walls) return rp_fail(RP_NO_MEMORY, "%zu walls: out of memory", def->n_walls);
-    memcpy(walls, dem_walls_of(def), def->n_walls * sizeof *walls);
-    def->wall_list = walls;
+    if (def->wall_list) def->wall_list = walls;
     double mass = 0.0;
     for (size_t i = 0; i < def->n_grains; i++) mass += def->grains[i].m / (double)def->n_grains;
     RP_TRY(find_damping(def, 0.5 * mass, &def->material));
