@@ -6,7 +6,7 @@
 #include "dem/setup/definition.h"
 #include "dem/state/method.h"
 #include "dem/scene/scene.h"
-#include "dem/methods/step.h"
+#include "dem/methods/methods.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 

@@ -403,7 +403,7 @@ static void schema_is(const rp_param *schema)
             for (const char *c = strncpy(word, at, 63); c - word < end - at; c++)
                 to += sprintf(to, *c == '_' ? "\\%c" : "%c", *c);
             strcpy(to, "*: ");
-            marked(text, p->manual(k++), "");
+            marked(text, p->manual[k++], "");
             line_is("%s", "");
         }
     }
@@ -605,8 +605,8 @@ static void manual_lines(const rp_param *schema)
         int k = 0;
         for (const char *word = p->range, *end; p->manual && *word; word = *end ? end + 3 : end, k++) {
             end = word + strcspn(word, " ");
-            CU_ASSERT(strlen(p->manual(k)) > 10);
-            line_is("#   %s = %.*s: %s", p->name, (int)(end - word), word, p->manual(k));
+            CU_ASSERT(strlen(p->manual[k]) > 10);
+            line_is("#   %s = %.*s: %s", p->name, (int)(end - word), word, p->manual[k]);
         }
     }
 }

@@ -1659,9 +1659,8 @@ static void test_physics(void)
     static const struct {
         const char *name, *key, *fallback, *range;
     } list[] = {
-#define ROW(...) ROW_OF(__VA_ARGS__)
-#define ROW_OF(kind, type, name, key, unit, fallback, range, also, ...)                                      \
-    {#name, key, fallback, DEM_ALLOWED_##kind(range, also)},
+#define ROW(...)                                                        ROW_OF(__VA_ARGS__)
+#define ROW_OF(kind, type, name, key, unit, fallback, range, also, ...) {#name, key, fallback, range also},
         DEM_PHYSICS(ROW)};
     for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
         bool in_scene = false;

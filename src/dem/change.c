@@ -1,18 +1,19 @@
-/* Laws, coefficients and time step that change while the grains stay: a simulation of the new ones begins
- * where the old one is, with its contacts. */
+/* Changes between steps. Laws, coefficients and time step that change while the grains stay: a simulation of
+ * the new ones begins where the old one is, with its contacts. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "core/arena.h"
 #include "dem/forces/forces.h"
 #include "dem/list/list.h"
-#include "dem/methods/step.h"
-#include "dem/observe/ledger.h"
+#include "dem/methods/methods.h"
+#include "dem/observe/observe.h"
 #include "dem/setup/definition.h"
 
 /* Which grains are left out; NULL: none. */
 typedef struct {
-    bool (*in)(const void *region, uint32_t id, double x, double y);
+    dem_in_region *in;
     const void *region;
 } choice;
 
@@ -36,30 +37,21 @@ static rp_status copy_grains(rp_arena *arena, const dem_sim *sim, const choice *
     return RP_OK;
 }
 
-static int by_id(const void *a, const void *b)
-{
-    const uint32_t p = *(const uint32_t *)a, q = *(const uint32_t *)b;
-    return (p > q) - (p < q);
-}
-
-static uint32_t number_of(uint32_t id, const uint32_t ids[], size_t n)
-{
-    const uint32_t *at = id ? bsearch(&id, ids, n, sizeof *ids, by_id) : NULL;
-    return at ? (uint32_t)(at - ids) + 1 : 0;
-}
-
 /* Its contacts, by the numbers of the grains. */
 static rp_status copy_contacts(rp_arena *arena, const dem_sim *sim, dem_definition *def, const uint32_t ids[])
 {
     dem_contact *contacts;
+    uint32_t *number; /* of each id, from 1; 0: left out, or a wall */
     size_t n;
+    RP_NEW(arena, number, sim->grains.last_id + 1);
+    for (size_t k = 0; k < def->n_grains; k++) number[ids[k]] = (uint32_t)k + 1;
     RP_TRY(dem_contacts(sim, &contacts, &n));
     if (!rp_arena_keep(arena, contacts, free)) return RP_NO_MEMORY;
     def->contacts = contacts, def->n_contacts = 0;
     for (size_t k = 0; k < n; k++) {
         dem_contact c = contacts[k];
         const bool wall = c.id_b == 0;
-        c.id_a = number_of(c.id_a, ids, def->n_grains), c.id_b = number_of(c.id_b, ids, def->n_grains);
+        c.id_a = number[c.id_a], c.id_b = number[c.id_b];
         if (c.id_a && (wall || c.id_b)) contacts[def->n_contacts++] = c;
     }
     return RP_OK;
@@ -108,16 +100,10 @@ static void go_on(dem_sim *made, const dem_sim *old, const uint32_t ids[])
     }
 }
 
-static double energy_of(const dem_energy *e)
-{
-    return e->kinetic + e->elastic + e->gravity + e->rotational;
-}
-
 static rp_status renew(dem_sim **sim, const dem_definition *laws, const choice *out)
 {
     dem_sim *old = *sim, *made;
     dem_definition def = *laws;
-    dem_energy before;
     dem_ledger sum;
     uint32_t *ids;
     RP_SCOPE(arena);
@@ -132,10 +118,10 @@ static rp_status renew(dem_sim **sim, const dem_definition *laws, const choice *
     def.turn_per_step = old->def.turn_per_step, def.turn_from_step = old->def.turn_from_step;
     def.box_turn_per_step = 0.0;
     RP_TRY(dem_create(&def, &made));
-    dem_energies(old, &before);
+    const double before = dem_energy_now(old);
     go_on(made, old, ids);
     if (made->ledger && dem_ledger_read(old, &sum)) {
-        const rp_status status = dem_ledger_go_on(made, &sum, energy_of(&before), ids);
+        const rp_status status = dem_ledger_go_on(made, &sum, before, ids);
         if (status) return dem_free(made), status;
     }
     dem_free(old);
@@ -148,16 +134,50 @@ rp_status dem_change(dem_sim **sim, const dem_definition *laws)
     return renew(sim, laws, &(choice){0});
 }
 
-rp_status dem_remove(dem_sim **sim, bool (*in)(const void *region, uint32_t id, double x, double y),
-                     const void *region)
+rp_status dem_remove(dem_sim **sim, dem_in_region *in, const void *region)
 {
     return renew(sim, &(*sim)->def, &(choice){in, region});
 }
 
+/* Is a motion one that this wall can have? */
+static rp_status check_motion(const dem_sim *sim, size_t w, const dem_wall *wall, double *way)
+{
+    dem_definition def = sim->def;
+    double r_min = INFINITY;
+    def.n_grains = 0; /* those of a line's reach are not known before it moves */
+    *way = dem_wall_speed(&def, wall) * def.dt;
+    for (size_t i = 0; i < sim->grains.n; i++) r_min = fmin(r_min, sim->grains.radius[i]);
+    RP_TRY(dem_wall_check(wall));
+    if (def.ground.wall == (long)w + 1) return rp_fail(RP_BAD_INPUT, "the ground can't move");
+    if (def.integrator == DEM_IMPLICIT)
+        return rp_fail(RP_BAD_INPUT, "the integrator implicit needs walls that stand");
+    if (sim->walls.turn[1] != 0.0) def.box_turn_per_step = sim->walls.turn[1]; /* it has turned */
+    RP_TRY(dem_motion_check(&def, wall));
+    return dem_way_check(*way, r_min);
+}
+
+rp_status dem_wall_move(dem_sim *sim, size_t w, const double velocity[2], double omega)
+{
+    const dem_wall *wall = &sim->walls.wall[w];
+    const dem_wall_line *line = &sim->walls.line[w];
+    dem_wall next = *wall;
+    double way;
+    if (velocity) memcpy(next.velocity, velocity, sizeof next.velocity);
+    if (!isnan(omega)) next.omega = omega;
+    if (next.velocity[0] == wall->velocity[0] && next.velocity[1] == wall->velocity[1] &&
+        next.omega == wall->omega)
+        return RP_OK;
+    for (int c = 0; c < 2 && line->moves; c++)
+        next.point[c] = line->point[c], next.direction[c] = line->direction[c],
+        next.pivot[c] = line->pivot[c];
+    RP_TRY(rp_prefix(check_motion(sim, w, &next, &way), "wall %zu: ", w + 1));
+    dem_wall_go_on(sim, w, &next, way);
+    return RP_OK;
+}
+
 rp_status dem_halt(dem_sim *sim)
 {
-    dem_energy before;
-    dem_energies(sim, &before);
+    const double before = dem_energy_now(sim);
     for (size_t i = 0; i < sim->grains.n; i++) {
         *dem_force(sim, i) = sim->grains.motion[i].v = (dem_vec){0.0, 0.0};
         if (sim->grains.force_torque) sim->grains.force_torque[i].torque = 0.0;
@@ -167,6 +187,6 @@ rp_status dem_halt(dem_sim *sim)
     dem_walls_apply(sim, 0, sim->grains.n, 0.0);
     if (sim->ledger) RP_TRY(dem_ledger_forces(sim, 0.0));
     if (sim->scheme->start) sim->scheme->start(sim, 0);
-    if (sim->ledger) dem_ledger_halt(sim, energy_of(&before));
+    if (sim->ledger) dem_ledger_halt(sim, before);
     return RP_OK;
 }

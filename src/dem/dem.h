@@ -17,21 +17,25 @@
 #include "core/status.h"
 #include "dem/law/bodies.h"
 #include "dem/law/choices.h"
-#include "dem/law/impact.h"
 #include "dem/law/laws.h"
 #include "dem/law/parameters.h"
 
 RP_C_BEGIN
 
-/* Time integration: id; word in files; descriptor, which a file of its own defines (state/method.h) and which
- * has the manual. All that lists integrators is made of this. */
+/* Time integration: id; word in files; manual; descriptor, which a file of its own defines (state/method.h).
+ * All that lists integrators is made of this. */
 #define DEM_INTEGRATOR_LIST(X)                                                                               \
-    X(DEM_VERLET, verlet, dem_scheme_verlet)                                                                 \
-    X(DEM_GEAR5, gear5, dem_scheme_gear5)                                                                    \
-    X(DEM_IMPLICIT, implicit, dem_scheme_implicit)
+    X(DEM_VERLET, verlet, "velocity Verlet in its leapfrog form (Swope, Andersen, Berens & Wilson 1982)",    \
+      dem_scheme_verlet)                                                                                     \
+    X(DEM_GEAR5, gear5,                                                                                      \
+      "Gear's predictor-corrector of fifth order (Allen & Tildesley 1987, appendix E), without rotation",    \
+      dem_scheme_gear5)                                                                                      \
+    X(DEM_IMPLICIT, implicit,                                                                                \
+      "implicit midpoint, which conserves energy at any dt (Liffman, Chan & Hughes 1992, eq (24)), "         \
+      "without rotation and shear springs; walls are whole lines that stand",                                \
+      dem_scheme_implicit)
 typedef enum { DEM_INTEGRATOR_LIST(DEM_ID) } dem_integrator;
 enum { DEM_INTEGRATORS = DEM_INTEGRATOR_LIST(DEM_ONE) };
-dem_manual dem_integrator_manual;
 
 /* Instances of the loops, all with the same bits. */
 #define DEM_KERNEL_LIST(X)                                                                                   \
@@ -42,7 +46,6 @@ dem_manual dem_integrator_manual;
     X(DEM_AVX2, avx2, "by four, with AVX2")                                                                  \
     X(DEM_AVX512, avx512, "by eight, with AVX-512")
 typedef enum { DEM_KERNEL_LIST(DEM_ID) DEM_KERNELS } dem_kernel_choice;
-dem_manual dem_kernel_manual;
 
 /* A wall through `point`; `direction` is its unit normal. `extent` holds the ends along the tangent (normal
  * turned clockwise), measured from `point`; -INFINITY, INFINITY for a whole line, whose normal points into
@@ -87,14 +90,13 @@ enum { DEM_MOST_GRAINS = 100000000 };
       "m v_s^2 + I omega^2 <= mu_static F_n a")                                                              \
     X(DEM_WELL_AGAIN, again, "at rest, and again after each break")
 typedef enum { DEM_WELL_SETS(DEM_ID) } dem_well_set;
-dem_manual dem_well_manual;
 typedef struct {
     long wall; /* its number, from 1; 0: no ground, and nothing else here counts */
     double mu_static, a;
     dem_well_set set;
 } dem_ground;
 
-/* Hard collisions of fast bodies; methods/hard.h, law/bodies.h. Grains, or a grain and a wall, that would
+/* Hard collisions of fast bodies; methods/hard.c, law/bodies.h. Grains, or a grain and a wall, that would
  * touch in the coming step collide at touch. If they close no faster than dt times the acceleration that
  * presses them together, eq (22), the step would undo a rebound: they form a soft contact, which lasts until
  * they part. */
@@ -110,7 +112,6 @@ typedef struct {
       "sweeps grain by grain, each by the part `relaxation` of its own Newton step (Liffman, Chan & Hughes " \
       "1992, who take 0.5 to 0.9)")
 typedef enum { DEM_SOLVERS(DEM_ID) } dem_solver;
-dem_manual dem_solver_manual;
 typedef struct {
     dem_solver solver;
     double relaxation; /* (0, 2); of DEM_SOLVER_SOR */
@@ -216,11 +217,7 @@ typedef struct dem_sim dem_sim;
     X(DEM_FAULT_OVERLAP, "overlap")                                                                          \
     X(DEM_FAULT_TOO_FAST, "too_fast")                                                                        \
     X(DEM_FAULT_NOT_SOLVED, "not_solved")
-typedef enum {
-#define X(name, text) name,
-    DEM_FAULT_LIST(X)
-#undef X
-} dem_fault;
+typedef enum { DEM_FAULT_LIST(DEM_ID) } dem_fault;
 const char *dem_fault_text(dem_fault fault);
 
 /* Largest time step that the definition allows, 3.4/(3 gamma + sqrt(9 gamma^2 + 12 omega^2)): 0.85 of the
@@ -257,8 +254,8 @@ uint64_t dem_keep_layout(void);
 rp_status dem_change(dem_sim **sim, const dem_definition *laws);
 
 /* The same with fewer grains, and the laws that hold: those of a region are taken out. */
-rp_status dem_remove(dem_sim **sim, bool (*in)(const void *region, uint32_t id, double x, double y),
-                     const void *region);
+typedef bool dem_in_region(const void *region, uint32_t id, double x, double y);
+rp_status dem_remove(dem_sim **sim, dem_in_region *in, const void *region);
 
 /* All velocities and spins become 0; springs stay. Errors: RP_NO_MEMORY. */
 rp_status dem_halt(dem_sim *sim);
@@ -422,8 +419,8 @@ typedef struct {
     double contact_number; /* mean contacts a grain, walls counted once */
 } dem_rest;
 rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *rest); /* RP_NO_MEMORY */
-rp_status dem_rest_in(const dem_sim *sim, bool (*in)(const void *region, uint32_t id, double x, double y),
-                      const void *region, dem_rest *rest); /* RP_NO_MEMORY */
+rp_status dem_rest_in(const dem_sim *sim, dem_in_region *in, const void *region,
+                      dem_rest *rest); /* RP_NO_MEMORY */
 
 /* At rest: the mean kinetic energy is at most `energy`, and the largest net force on a grain with a contact
  * at most `force`; in a box these are the constants, m g d and m g. Forces count because energies are small
@@ -451,13 +448,11 @@ double dem_largest_speed(const dem_sim *sim, double lo, double hi);
     X(DEM_RADII_LOGNORMAL, lognormal, "normal law of the logarithm, of this mean and standard deviation")    \
     X(DEM_RADII_TABLE, table, "those of radii = ( [r, share], ... )")
 typedef enum { DEM_RADIUS_LAWS(DEM_ID) } dem_radius_law;
-dem_manual dem_radius_law_manual;
 #define DEM_SHARES(X)                                                                                        \
     X(DEM_BY_NUMBER, number, "a share of the grains")                                                        \
     X(DEM_BY_AREA, area, "a share of the area that they cover")                                              \
     X(DEM_BY_MASS, mass, "a share of their mass")
 typedef enum { DEM_SHARES(DEM_ID) } dem_share;
-dem_manual dem_share_manual;
 #define DEM_PATTERNS(X)                                                                                      \
     X(DEM_PATTERN_RANDOM, random, "one after the other where they overlap none, at random")                  \
     X(DEM_PATTERN_ROW, row,                                                                                  \
@@ -466,7 +461,6 @@ dem_manual dem_share_manual;
       "close-packed rows from (x0, y0) on, of the width of the largest grain or `spacing`, as many as fit "  \
       "in W and H")
 typedef enum { DEM_PATTERNS(DEM_ID) } dem_pattern;
-dem_manual dem_pattern_manual;
 
 typedef struct {
     long N;      /* of a row or lattice -1: as many as there is room for */

@@ -25,10 +25,10 @@ static void set_mode(unsigned mode)
 
 #include "core/clock.h"
 #include "dem/list/list.h"
-#include "dem/methods/step.h"
-#include "dem/observe/ledger.h"
+#include "dem/methods/methods.h"
+#include "dem/observe/observe.h"
 #include "dem/setup/definition.h"
-#include "dem/threads/parts.h"
+#include "dem/threads/threads.h"
 
 static rp_status advance(dem_sim *sim, long steps)
 {

@@ -1,15 +1,14 @@
-/* Life of a simulation: start, copies, grains that are put in, end. */
+/* Life of a simulation: start, grains that are put in, end. */
 #include "dem/state/state.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "dem/forces/forces.h"
 #include "dem/list/list.h"
-#include "dem/methods/step.h"
-#include "dem/observe/ledger.h"
+#include "dem/methods/methods.h"
+#include "dem/observe/observe.h"
 #include "dem/setup/definition.h"
 
 /* Pairs of a chunk: some 3000 grains. Their data of a step fit into the second cache. */
@@ -24,8 +23,8 @@ static rp_status list_contacts(dem_sim *sim, size_t n, const dem_contact *contac
     dem_pairs *const pairs = &sim->pairs;
     dem_walls *const walls = &sim->walls;
     if (n == 0) return RP_OK;
-    if (dem_pairs_reserve(pairs, n) || !dem_grow(&walls->slot, sizeof *walls->slot, walls->capacity = n))
-        return rp_fail(RP_NO_MEMORY, "springs of the start: out of memory");
+    RP_TRY(dem_pairs_reserve(pairs, n));
+    RP_TRY(dem_room("springs of the start", &walls->slot, sizeof *walls->slot, n, &walls->capacity));
     for (size_t k = 0; k < n; k++) {
         const dem_contact *c = &contacts[k];
         const uint32_t a = c->id_a - 1, w = (uint32_t)c->wall;
@@ -53,17 +52,15 @@ static rp_status list_contacts(dem_sim *sim, size_t n, const dem_contact *contac
 /* Forces of the start, with velocities and springs of the start; then the integrator's own start. */
 static rp_status start_forces(dem_sim *sim, const dem_definition *def)
 {
-    rp_status status = list_contacts(sim, def->n_contacts, def->contacts);
-    if (!status) status = dem_neighbours_rebuild(sim);
-    if (status) return status;
+    RP_TRY(list_contacts(sim, def->n_contacts, def->contacts));
+    RP_TRY(dem_neighbours_rebuild(sim));
     sim->loops.pairs(sim, 0, sim->pairs.n, 0.0);
     dem_walls_apply(sim, 0, sim->grains.n, 0.0);
-    if (def->lines) status = dem_check_listed(sim, def->lines);
-    if (!status && sim->too_deep)
-        status = dem_check_overlaps(sim, (dem_stretch){0, sim->pairs.n}, (dem_stretch){0, sim->grains.n});
-    if (!status) status = dem_check_start_overlaps(sim);
-    if (!status && sim->ledger) status = dem_ledger_forces(sim, 0.0);
-    if (status) return status;
+    if (def->lines) RP_TRY(dem_check_listed(sim, def->lines));
+    if (sim->too_deep)
+        RP_TRY(dem_check_overlaps(sim, (dem_stretch){0, sim->pairs.n}, (dem_stretch){0, sim->grains.n}));
+    RP_TRY(dem_check_start_overlaps(sim));
+    if (sim->ledger) RP_TRY(dem_ledger_forces(sim, 0.0));
     if (sim->scheme->start) sim->scheme->start(sim, 0);
     if (sim->ledger) dem_ledger_start(sim);
     return RP_OK;
@@ -120,10 +117,9 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     sim->pairs.rolling = dem_has_rolling(def);
     sim->pairs.chunk = CHUNK;
     dem_gravity_start(sim);
-    rp_status status = dem_walls_place(sim, def);
+    RP_TRY(dem_walls_place(sim, def));
     dem_loops_choose(sim);
-    if (!status) status = dem_grains_alloc(sim, def->n_grains, false, &sim->grains);
-    if (status) return status;
+    RP_TRY(dem_grains_reserve(sim, def->n_grains, false, &sim->grains));
     put_grains(sim, def);
     sim->list.skin = def->skin > 0.0 ? def->skin : 0.4 * sim->start.radius_mean;
     sim->list.even_margins = def->skin > 0.0 || sim->scheme->even_margins;
@@ -132,9 +128,9 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     const char *limit_of;
     sim->start.dt_limit = dem_time_step_limit(def, &limit_of);
     snprintf(sim->start.dt_limit_of, sizeof sim->start.dt_limit_of, "%s", limit_of);
-    status = dem_neighbours_alloc(sim, NULL);
-    if (!status && def->ledger) status = dem_ledger_alloc(sim);
-    return status ? status : start_forces(sim, def);
+    RP_TRY(dem_neighbours_alloc(sim));
+    if (def->ledger) RP_TRY(dem_ledger_alloc(sim));
+    return start_forces(sim, def);
 }
 
 rp_status dem_create(const dem_definition *def, dem_sim **sim)
@@ -152,54 +148,6 @@ rp_status dem_create(const dem_definition *def, dem_sim **sim)
     }
     *sim = s;
     return RP_OK;
-}
-
-static rp_status copy_parts(const dem_sim *sim, size_t capacity, dem_sim *c)
-{
-    RP_TRY(dem_grains_copy(sim, capacity, &c->grains));
-    RP_TRY(dem_pairs_copy(&sim->pairs, &c->pairs));
-    if (sim->pairs.n_chunks > 0) RP_TRY(dem_pairs_plan_chunks(&c->pairs, c->grains.n));
-    RP_TRY(dem_walls_copy(&sim->walls, sim->def.n_walls, &c->walls));
-    c->def.wall_list = c->walls.wall;
-    RP_TRY(dem_neighbours_alloc(c, sim));
-    if (sim->ledger) RP_TRY(dem_ledger_clone(c, sim));
-    return RP_OK;
-}
-
-void dem_forget_parts(dem_sim *sim)
-{
-    sim->grains.slack = NULL;
-#define X(type, name, ...) sim->grains.name = NULL;
-    DEM_GRAIN_ARRAYS(X)
-#undef X
-    sim->pairs.done = NULL;
-#define X(type, name, ...) sim->pairs.name = NULL;
-    DEM_PAIR_ARRAYS(X)
-#undef X
-    dem_walls_forget(&sim->walls);
-    sim->def.wall_list = NULL;
-    sim->work = NULL, sim->list.work = NULL, sim->list.sizes = NULL, sim->ledger = NULL, sim->team = NULL;
-}
-
-/* A copy with capacity for so many grains. */
-static rp_status copy_with_capacity(const dem_sim *sim, size_t capacity, dem_sim **copy)
-{
-    *copy = NULL;
-    dem_sim *c = malloc(sizeof *c);
-    if (!c) return rp_fail(RP_NO_MEMORY, "simulation: out of memory");
-    *c = *sim;
-    dem_forget_parts(c);
-    rp_status status = copy_parts(sim, capacity, c);
-    if (status)
-        dem_free(c);
-    else
-        *copy = c;
-    return status;
-}
-
-rp_status dem_clone(const dem_sim *sim, dem_sim **copy)
-{
-    return copy_with_capacity(sim, sim->grains.capacity, copy);
 }
 
 static rp_status check_new_grain(const dem_sim *sim, const dem_grain *p)
@@ -242,11 +190,9 @@ rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id)
 {
     RP_TRY(rp_prefix(check_new_grain(sim, grain), "new particle: "));
     if (sim->grains.n == sim->grains.capacity) {
-        dem_sim *larger, old = *sim;
-        RP_TRY(copy_with_capacity(sim, sim->grains.capacity ? 2 * sim->grains.capacity : 1, &larger));
-        *sim = *larger;
-        *larger = old;
-        dem_free(larger);
+        const size_t capacity = sim->grains.capacity ? 2 * sim->grains.capacity : 1;
+        RP_TRY(dem_neighbours_grow(sim, capacity));
+        RP_TRY(dem_grains_reserve(sim, capacity, false, &sim->grains));
     }
     dem_grains_clear(&sim->grains, sim->grains.n);
     put_grain(sim, sim->grains.n, grain);

@@ -1,4 +1,4 @@
-/* Snapshots of a simulation: what a clone has, in a file; see dem_keep in dem.h and core/snapshot.h.
+/* Snapshots of a simulation, in a file or, for a clone, in memory; see dem_keep in dem.h and core/snapshot.h.
  *
  * Arrays follow the lists of grains.h and pairs.h, so that a new array is kept without a line here; the rest
  * is `dem_sim` itself, without its pointers. Neighbour lists are kept as they are: their order is that of the
@@ -9,7 +9,7 @@
 
 #include "core/snapshot.h"
 #include "dem/list/list.h"
-#include "dem/observe/ledger.h"
+#include "dem/observe/observe.h"
 #include "dem/setup/definition.h"
 
 uint64_t dem_keep_layout(void)
@@ -33,7 +33,7 @@ uint64_t dem_keep_layout(void)
     return XXH3_64bits_withSeed(names, sizeof names, XXH3_64bits(sizes, sizeof sizes));
 }
 
-/* Counts, words and definition of a state that was read. What they hold of physics is checked as for a start.
+/* Counts, words and definition of a state from a file. What they hold of physics is checked as for a start.
  */
 static void check_numbers(rp_snapshot *s, const dem_sim *sim)
 {
@@ -47,7 +47,7 @@ static void check_numbers(rp_snapshot *s, const dem_sim *sim)
                                  {def->kernel, DEM_KERNELS},
                                  {def->implicit.solver, DEM_SOLVER_SOR + 1},
                                  {def->ground.set, DEM_WELL_AGAIN + 1}};
-    if (s->status) return;
+    if (s->status || !s->path) return;
     bool known = true;
     for (size_t k = 0; k < sizeof words / sizeof *words; k++) known &= words[k][0] < words[k][1];
     const bool *const bools[] = {&def->tension, &def->rotation,          &def->hard.on,
@@ -69,7 +69,7 @@ static void check_numbers(rp_snapshot *s, const dem_sim *sim)
 static void keep_grains(rp_snapshot *s, dem_sim *sim)
 {
     dem_grains *const g = &sim->grains;
-    if (s->reading) s->status = dem_grains_alloc(sim, g->capacity, false, g);
+    if (s->reading) s->status = dem_grains_reserve(sim, g->capacity, false, g);
 #define X(type, name, need, role)                                                                            \
     if (!s->status && g->name && role != DEM_OF_STEP) rp_keep(s, g->name, g->n * sizeof(type));
     DEM_GRAIN_ARRAYS(X)
@@ -144,10 +144,22 @@ static void keep_walls(rp_snapshot *s, dem_sim *sim)
 /* Without pointers, and what a step leaves for itself. */
 static void strip(dem_sim *state)
 {
-    dem_forget_parts(state);
-    state->scheme = NULL;
+    state->grains.slack = NULL;
+#define X(type, name, ...) state->grains.name = NULL;
+    DEM_GRAIN_ARRAYS(X)
+#undef X
+    state->pairs.done = NULL;
+#define X(type, name, ...) state->pairs.name = NULL;
+    DEM_PAIR_ARRAYS(X)
+#undef X
+    state->walls.slot = NULL;
+#define X(type, name) state->walls.name = NULL;
+    DEM_WALL_ARRAYS(X)
+#undef X
+    state->def.wall_list = NULL;
+    state->work = NULL, state->list.work = NULL, state->list.sizes = NULL, state->ledger = NULL;
+    state->team = NULL, state->scheme = NULL, state->times = NULL;
     state->loops = (dem_loops){0};
-    state->times = NULL;
     state->threads = 0;
     state->pairs.capacity = state->pairs.chunk_capacity = state->walls.capacity = 0;
     state->ahead = false, state->ahead_left = 0;
@@ -187,4 +199,18 @@ void dem_keep(rp_snapshot *s, dem_sim **sim)
     if (!s->reading || !s->status) return;
     dem_free(c);
     *sim = NULL;
+}
+
+rp_status dem_clone(const dem_sim *sim, dem_sim **copy)
+{
+    rp_snapshot s = {0};
+    dem_sim *original = (dem_sim *)sim; /* which a writing only reads */
+    *copy = NULL;
+    dem_keep(&s, &original);
+    s.reading = true;
+    if (!s.status) dem_keep(&s, copy);
+    const rp_status status = s.status;
+    rp_snapshot_free(&s);
+    if (!status) (*copy)->threads = sim->threads;
+    return status;
 }

@@ -39,7 +39,7 @@ typedef struct {
     const char *range;
     const char *meaning;
     bool inherited; /* from a list that many schemas share: in a key only where it differs from the default */
-    const char *(*manual)(int word); /* RP_CHOICE: what this word stands for; NULL: its meaning says it */
+    const char *const *manual; /* RP_CHOICE: what each word stands for; NULL: its meaning says it */
 } rp_param;
 
 /* A schema ends with an entry whose name is NULL. */

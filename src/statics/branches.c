@@ -208,9 +208,9 @@ static rp_status solve_linear(statics_pile *pile, double a)
 /* The state at `eps`. */
 static rp_status find_state(statics_pile *pile, double eps, double a)
 {
-    rp_status status = solve_linear(pile, a);
-    if (status || eps > 0) return status ? status : raise_eps(pile, eps);
-    status = settle(pile, DESCEND);
+    RP_TRY(solve_linear(pile, a));
+    if (eps > 0) return raise_eps(pile, eps);
+    const rp_status status = settle(pile, DESCEND);
     pile->result.load = !status;
     return status;
 }
@@ -232,8 +232,8 @@ static rp_status kick(statics_pile *pile)
 {
     const int steps = pile->def.leave ? kicks.mixing : kicks.inverse;
     gsl_rng *rng = rp_random_alloc(pile->def.leave, 0, RP_PURPOSE_DIRECTION);
-    rp_status status = rng ? RP_OK : rp_fail(RP_NO_MEMORY, "random stream: out of memory");
-    if (status) return status;
+    if (!rng) return rp_fail(RP_NO_MEMORY, "random stream: out of memory");
+    rp_status status = RP_OK;
     double shift = 1e-6;
     do {
         statics_assemble(pile, false, 0, shift, true);

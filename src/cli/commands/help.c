@@ -76,7 +76,7 @@ static void put_schema(const rp_param *schema)
             fputs("    *", stdout);
             put(word);
             fputs("*: ", stdout);
-            put(p->manual(k));
+            put(p->manual[k]);
             puts("\n");
         }
     }

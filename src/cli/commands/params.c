@@ -53,7 +53,7 @@ static void print_schema(bool rows, const char *of, const char *kind, const rp_p
     }
     for (const rp_param *p = rows ? NULL : schema; p && p->name; p++)
         for (int k = 0; p->manual && *rp_word_at(p->range, k, word, sizeof word); k++)
-            printf("#   %s = %s: %s\n", p->name, word, p->manual(k));
+            printf("#   %s = %s: %s\n", p->name, word, p->manual[k]);
 }
 
 /* A scene file has a group of keys for each of its schemas. */

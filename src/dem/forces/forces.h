@@ -43,11 +43,20 @@ dem_contact dem_law_forces(const dem_sim *sim, const dem_relative *r, double h);
 rp_status dem_walls_place(dem_sim *sim, const dem_definition *def);
 void dem_walls_move(dem_sim *sim);
 
+/* Distance of a wall's farther end from its pivot, INFINITY of a line. */
+double dem_wall_reach(const dem_wall *wall);
+
+/* Let wall w go on as `next`, whose fastest point goes `way` in a step. */
+void dem_wall_go_on(dem_sim *sim, size_t w, const dem_wall *next, double way);
+
 /* After a rebuilding for grains within `far` of the origin: how far walls may move until the next. */
 void dem_walls_limit(dem_sim *sim, double far);
 
 /* Is the wall a whole line at rest: nothing of it is open, and it does not move in this step? */
 bool dem_wall_rests(const dem_sim *sim, size_t k);
+
+/* The ends of a wall as it is now, along its tangent; false of one that is gone. */
+bool dem_wall_ends(const dem_sim *sim, size_t wall, double ends[2]);
 
 /* Geometry of a wall contact at the present step: unit vector from the wall's nearest point to the grain,
  * velocity of the wall there, overlap, and whether that point is an end. Brings slot->side up to date. False

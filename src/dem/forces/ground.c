@@ -7,8 +7,6 @@
 #include "dem/forces/forces.h"
 #include "dem/state/motion.h"
 
-DEM_MANUAL_OF(DEM_WELL_SETS, dem_well_manual)
-
 static double along(const dem_sim *sim, const dem_wall_slot *slot, dem_vec v)
 {
     return dem_dot(v, dem_clockwise(sim->walls.line[slot->wall].direction));

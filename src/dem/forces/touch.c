@@ -16,8 +16,7 @@ bool dem_wall_rests(const dem_sim *sim, size_t k)
            !dem_wall_opens(sim, k);
 }
 
-/* The ends of a wall as it is now, along its tangent; false of one that is gone. */
-static bool ends_of(const dem_sim *sim, size_t wall, double ends[2])
+bool dem_wall_ends(const dem_sim *sim, size_t wall, double ends[2])
 {
     const dem_wall *w = &sim->walls.wall[wall];
     ends[0] = w->extent[0], ends[1] = w->extent[1];
@@ -34,7 +33,7 @@ static bool touch_segment(const dem_sim *sim, dem_wall_slot *slot, dem_vec d, de
     const dem_vec direction = sim->walls.line[slot->wall].direction, tangent = dem_clockwise(direction);
     const double along = dem_dot(d, tangent), distance = dem_dot(d, direction);
     double ends[2];
-    if (!ends_of(sim, slot->wall, ends)) return false;
+    if (!dem_wall_ends(sim, slot->wall, ends)) return false;
     if (dem_wall_opens(sim, slot->wall)) touch->velocity = sim->walls.wall[slot->wall].open_speed * tangent;
     touch->at_end = along < ends[0] || along > ends[1];
     if (touch->at_end) {
@@ -94,7 +93,7 @@ static bool is_on(const dem_sim *sim, size_t wall, const dem_touch *at_wall, dem
     const dem_vec d = p - sim->walls.line[wall].point, direction = sim->walls.line[wall].direction;
     const double along = dem_dot(d, dem_clockwise(direction)), above = dem_dot(d, direction);
     double ends[2];
-    if (!ends_of(sim, wall, ends)) return false;
+    if (!dem_wall_ends(sim, wall, ends)) return false;
     if (rp_hypot(along - fmin(fmax(along, ends[0]), ends[1]), above) <= 1e-3 * radius) return true;
     return !dem_wall_is_line(&sim->walls.wall[wall]) && dem_dot(normal, at_wall->normal) > SLIGHT &&
            fabs(dem_dot(normal, direction)) > SLIGHT;

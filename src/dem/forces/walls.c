@@ -8,12 +8,10 @@
 
 static dem_vec turned(const dem_sim *sim, const double x[2])
 {
-    return sim->walls.turn[0] * (dem_vec){x[0], x[1]} +
-           sim->walls.turn[1] * dem_clockwise((dem_vec){x[0], x[1]});
+    return sim->walls.turn[0] * dem_vec_of(x) + sim->walls.turn[1] * dem_clockwise(dem_vec_of(x));
 }
 
-/* Distance of the farther end from the pivot. */
-static double reach_of(const dem_wall *wall)
+double dem_wall_reach(const dem_wall *wall)
 {
     double reach = 0.0;
     for (int end = 0; end < 2; end++)
@@ -26,9 +24,8 @@ static double reach_of(const dem_wall *wall)
 /* Put a wall that moves by itself where it is at this step. */
 static void carry(dem_wall_line *line, const dem_wall *wall, double t)
 {
-    const dem_vec pivot = {wall->pivot[0], wall->pivot[1]},
-                  arm = (dem_vec){wall->point[0], wall->point[1]} - pivot,
-                  direction = {wall->direction[0], wall->direction[1]};
+    const dem_vec pivot = dem_vec_of(wall->pivot), arm = dem_vec_of(wall->point) - pivot,
+                  direction = dem_vec_of(wall->direction);
     line->pivot = pivot + t * line->drift;
     line->point = line->pivot + line->turn[0] * arm + line->turn[1] * dem_clockwise(arm);
     line->direction = line->turn[0] * direction + line->turn[1] * dem_clockwise(direction);
@@ -53,11 +50,11 @@ static void set_off(dem_wall_line *line, const dem_wall *wall, double dt)
 {
     double sine, cosine;
     dem_sine_cosine(-wall->omega * dt, &sine, &cosine);
-    line->drift = (dem_vec){wall->velocity[0], wall->velocity[1]};
+    line->drift = dem_vec_of(wall->velocity);
     line->turn = (dem_vec){1.0, 0.0};
     line->turn_of_step = (dem_vec){cosine, sine};
     line->swing = swing_of(line->turn_of_step, dt);
-    line->reach = reach_of(wall);
+    line->reach = dem_wall_reach(wall);
     carry(line, wall, 0.0);
 }
 
@@ -75,8 +72,8 @@ rp_status dem_walls_place(dem_sim *sim, const dem_definition *def)
         dem_wall_line *line = &walls->line[w];
         wall->material.mu_roll = dem_finite_mu(wall->material.mu_roll);
         walls->mu[w] = dem_finite_mu(wall->material.mu);
-        *line = (dem_wall_line){.point = {wall->point[0], wall->point[1]},
-                                .direction = {wall->direction[0], wall->direction[1]},
+        *line = (dem_wall_line){.point = dem_vec_of(wall->point),
+                                .direction = dem_vec_of(wall->direction),
                                 .moves = dem_wall_moves(wall),
                                 .plain = dem_wall_is_line(wall) && wall->open_at_step < 0 &&
                                          !dem_wall_moves(wall)};
@@ -85,52 +82,15 @@ rp_status dem_walls_place(dem_sim *sim, const dem_definition *def)
     return RP_OK;
 }
 
-/* Is a motion one that this wall can have? */
-static rp_status check_motion(const dem_sim *sim, size_t w, const dem_wall *wall, double *way)
-{
-    const double travel = *way =
-        sim->def.dt * (rp_hypot(wall->velocity[0], wall->velocity[1]) +
-                       fabs(wall->omega) * (isinf(reach_of(wall)) ? 0.0 : reach_of(wall)));
-    double r_min = INFINITY;
-    for (size_t i = 0; i < sim->grains.n; i++) r_min = fmin(r_min, sim->grains.radius[i]);
-    if (!isfinite(travel)) return rp_fail(RP_BAD_INPUT, "wall %zu: velocity and omega must be finite", w + 1);
-    if (sim->def.ground.wall == (long)w + 1)
-        return rp_fail(RP_BAD_INPUT, "wall %zu: the ground can't move", w + 1);
-    if (sim->def.integrator == DEM_IMPLICIT)
-        return rp_fail(RP_BAD_INPUT, "wall %zu: the integrator implicit needs walls that stand", w + 1);
-    if (sim->def.box_turn_per_step != 0.0 || sim->walls.turn[1] != 0.0)
-        return rp_fail(RP_BAD_INPUT, "wall %zu: velocity or omega: not in a box that turns", w + 1);
-    if (wall->open_at_step >= 0 && isfinite(wall->open_speed))
-        return rp_fail(RP_BAD_INPUT, "wall %zu: a wall that opens slowly can't move", w + 1);
-    if (!(fabs(wall->omega) * sim->def.dt < 1.0))
-        return rp_fail(RP_BAD_INPUT, "wall %zu: omega = %g: must be below one radian a step", w + 1,
-                       wall->omega);
-    if (travel > r_min)
-        return rp_fail(RP_BAD_INPUT, "wall %zu: moves %g in one step, the smallest radius is %g", w + 1,
-                       travel, r_min);
-    return RP_OK;
-}
-
-rp_status dem_wall_move(dem_sim *sim, size_t w, const double velocity[2], double omega)
+void dem_wall_go_on(dem_sim *sim, size_t w, const dem_wall *next, double way)
 {
     dem_walls *const walls = &sim->walls;
-    dem_wall *wall = &walls->wall[w], next = *wall;
+    dem_wall *wall = &walls->wall[w];
     dem_wall_line *line = &walls->line[w];
-    double way;
-    if (velocity) memcpy(next.velocity, velocity, sizeof next.velocity);
-    if (!isnan(omega)) next.omega = omega;
-    if (next.velocity[0] == wall->velocity[0] && next.velocity[1] == wall->velocity[1] &&
-        next.omega == wall->omega)
-        return RP_OK;
-    if (line->moves)
-        for (int c = 0; c < 2; c++)
-            next.point[c] = line->point[c], next.direction[c] = line->direction[c],
-            next.pivot[c] = line->pivot[c];
-    RP_TRY(check_motion(sim, w, &next, &way));
     const bool reckoned = line->moves && way <= walls->stride && isfinite(line->reach);
     line->angle += wall->omega * sim->def.dt * (double)(sim->step - line->since);
     line->since = sim->step;
-    *wall = next;
+    *wall = *next;
     line->moves =
         dem_wall_moves(wall) || reckoned; /* one that stands for a moment stays in the list as it is */
     line->plain = dem_wall_is_line(wall) && wall->open_at_step < 0 && !line->moves;
@@ -138,10 +98,9 @@ rp_status dem_wall_move(dem_sim *sim, size_t w, const double velocity[2], double
     if (line->moves) set_off(line, wall, sim->def.dt);
     walls->n_moving = 0;
     for (size_t k = 0; k < sim->def.n_walls; k++) walls->n_moving += walls->line[k].moves;
-    if (reckoned) return RP_OK;
+    if (reckoned) return;
     walls->swept = INFINITY; /* the list has not reckoned with it, and will with more */
     walls->least_stride = fmax(walls->least_stride, 1.5 * way);
-    return RP_OK;
 }
 
 void dem_box_turn(dem_sim *sim, double radians_per_step)
@@ -231,23 +190,18 @@ dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall)
     const dem_wall *w = &sim->walls.wall[wall];
     const dem_wall_line *line = &sim->walls.line[wall];
     const dem_vec point = line->point, direction = line->direction, force = sim->walls.force[wall],
-                  pivot = line->moves ? line->pivot : (dem_vec){w->pivot[0], w->pivot[1]};
-    double lo = w->extent[0];
-    const double hi = w->extent[1];
-    const bool open = dem_wall_opens(sim, wall);
-    if (open)
-        lo = isinf(w->open_speed)
-                 ? hi
-                 : fmin(lo + w->open_speed * sim->def.dt * (double)(sim->step - w->open_at_step), hi);
+                  pivot = line->moves ? line->pivot : dem_vec_of(w->pivot);
+    double ends[2];
+    if (!dem_wall_ends(sim, wall, ends)) ends[0] = ends[1];
     return (dem_wall_state){.point = {point[0], point[1]},
                             .direction = {direction[0], direction[1]},
-                            .ends = {lo, hi},
+                            .ends = {ends[0], ends[1]},
                             .force = {force[0], force[1]},
                             .pivot = {pivot[0], pivot[1]},
                             .velocity = {w->velocity[0], w->velocity[1]},
                             .angle = line->angle + w->omega * sim->def.dt * (double)(sim->step - line->since),
                             .mu = w->material.mu,
-                            .open = open};
+                            .open = dem_wall_opens(sim, wall)};
 }
 
 static void apply_slot(dem_sim *sim, dem_wall_slot *slot, double h)

@@ -3,8 +3,6 @@
 
 #include <math.h>
 
-DEM_MANUAL_OF(DEM_SHAPES, dem_shape_manual)
-
 double dem_mass(dem_shape shape, double density, double r)
 {
     switch (shape) {

@@ -20,7 +20,6 @@ RP_C_BEGIN
     X(DEM_SPHERE, sphere, "mass (4/3) pi rho r^3, moment of inertia (2/5) m r^2")                            \
     X(DEM_DISK, disk, "mass pi rho r^2, rho being a mass per area; moment of inertia (1/2) m r^2")
 typedef enum { DEM_SHAPES(DEM_ID) } dem_shape;
-dem_manual dem_shape_manual;
 double dem_mass(dem_shape shape, double density, double r);
 double dem_inertia(dem_shape shape, double m, double r);
 

@@ -1,6 +1,5 @@
-/* Single impacts; see impact.h. */
+/* Single impacts; see laws.h. */
 #include "core/elementary.h"
-#include "dem/law/impact.h"
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>

@@ -154,7 +154,7 @@ LAW num by_radius_k_n(double k_n, num r_eff)
 LAW num dem_law_k_n(dem_normal_law law, double k_n, num r_eff)
 {
     switch (law) {
-#define X(id, word, spring, dashpot, scaled, ...)                                                            \
+#define X(id, word, manual, spring, dashpot, scaled, ...)                                                    \
     case id: return scaled##_k_n(k_n, r_eff);
         DEM_NORMAL_LAWS(X)
 #undef X
@@ -167,7 +167,7 @@ LAW num dem_law_k_n(dem_normal_law law, double k_n, num r_eff)
 LAW num dem_law_elastic(dem_normal_law law, num k_n, num overlap)
 {
     switch (law) {
-#define X(id, word, spring, ...)                                                                             \
+#define X(id, word, manual, spring, ...)                                                                     \
     case id: return spring##_force(k_n, overlap);
         DEM_NORMAL_LAWS(X)
 #undef X
@@ -178,7 +178,7 @@ LAW num dem_law_elastic(dem_normal_law law, num k_n, num overlap)
 LAW num dem_law_damping_rate(dem_normal_law law, num k_n, double gamma_n, num m_eff, num overlap)
 {
     switch (law) {
-#define X(id, word, spring, dashpot, ...)                                                                    \
+#define X(id, word, manual, spring, dashpot, ...)                                                            \
     case id: return dashpot##_rate(k_n, gamma_n, m_eff, overlap);
         DEM_NORMAL_LAWS(X)
 #undef X

@@ -4,7 +4,7 @@
 #include "dem/law/law.h"
 
 const dem_normal_descriptor dem_normal_descriptors[DEM_NORMAL_N] = {
-#define X(id, word, spring, dashpot, scaled, k_n, gamma_n, ...)                                              \
+#define X(id, word, manual, spring, dashpot, scaled, k_n, gamma_n, ...)                                      \
     [id] = {.name = #word,                                                                                   \
             .k_n_unit = k_n,                                                                                 \
             .gamma_n_unit = gamma_n,                                                                         \
@@ -22,25 +22,10 @@ const dem_normal_descriptor dem_normal_descriptors[DEM_NORMAL_N] = {
 };
 
 const dem_tangential_descriptor dem_tangential_descriptors[DEM_TANGENTIAL_N] = {
-#define X(id, word, text, friction, spring, in_lammps) [id] = {#word, text, in_lammps},
+#define X(id, word, text, friction, spring, in_lammps) [id] = {#word, in_lammps},
     DEM_TANGENTIAL_LAWS(X)
 #undef X
 };
-
-const char *dem_normal_manual(int law)
-{
-    return dem_normal_descriptors[law].manual;
-}
-
-const char *dem_tangential_manual(int law)
-{
-    return dem_tangential_descriptors[law].manual;
-}
-
-DEM_MANUAL_OF(DEM_ROLLINGS, dem_rolling_manual)
-DEM_MANUAL_OF(DEM_ARMS, dem_arm_manual)
-DEM_MANUAL_OF(DEM_SLIPS, dem_slip_manual)
-DEM_MANUAL_OF(DEM_DAMPINGS, dem_damping_manual)
 
 void dem_elastic_contact(const double E[2], const double nu[2], double *k_n, double *k_s)
 {

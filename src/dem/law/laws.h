@@ -10,28 +10,30 @@
 
 RP_C_BEGIN
 
-/* Normal laws: a conservative spring and a dashpot. id; word; the names in law.inl of the spring, of the
- * dashpot, and of how the stiffness depends on the radii; units of k_n and of gamma_n; members of
- * dem_normal_descriptor: the manual, and what not every law has. */
+/* Normal laws: a conservative spring and a dashpot. id; word; manual; the names in law.inl of the spring, of
+ * the dashpot, and of how the stiffness depends on the radii; units of k_n and of gamma_n; members of
+ * dem_normal_descriptor that not every law has. */
 #define DEM_NORMAL_LAWS(X)                                                                                   \
-    X(DEM_HERTZ, hertz, hertz, constant, of_all, "dyn/cm^1.5", "1/s",                                        \
-      .manual = "elastic spheres, F_n = k_n x^(3/2) - gamma_n m_eff v_n (Lee & Herrmann 1993, eq (2a)): "    \
-                "slow impacts lose more than fast ones",                                                     \
-      .sticking_speed = hertz_sticking_speed, .modulus = hertz_modulus, .lammps = "hertz",                   \
-      .lammps_by_radius = true)                                                                              \
-    X(DEM_LINEAR, linear, linear, constant, of_all, "dyn/cm", "1/s",                                         \
-      .manual = "F_n = k_n x - gamma_n m_eff v_n (Liffman, Chan & Hughes 1992, eqs (23) and (25)): impacts " \
-                "of all speeds have the same restitution",                                                   \
-      .constant_stiffness = true, .damping_ratio = linear_damping_ratio, .lammps = "hooke")                  \
-    X(DEM_TSUJI, tsuji, hertz, tsuji, of_all, "dyn/cm^1.5", "1",                                             \
-      .manual = "elastic spheres, F_n = k_n x^(3/2) - gamma_n sqrt(m_eff k_n) x^(1/4) v_n (Tsuji, Tanaka & " \
-                "Ishida 1992): impacts of all speeds have the same restitution",                             \
-      .damping_ratio = tsuji_damping_ratio, .modulus = hertz_modulus)                                        \
-    X(DEM_ELASTIC, elastic, hertz, tsuji, by_radius, "dyn/cm^2", "1",                                        \
-      .manual = "tsuji with the stiffness k_n sqrt(R) of each pair's own radii, R = r_i r_j/(r_i + r_j), "   \
-                "at a wall r: "                                                                              \
-                "k_n = 4/3 E* of `material` (Hertz)",                                                        \
-      .damping_ratio = tsuji_damping_ratio, .lammps = "hertz", .lammps_damping = "tsuji")
+    X(DEM_HERTZ, hertz,                                                                                      \
+      "elastic spheres, F_n = k_n x^(3/2) - gamma_n m_eff v_n (Lee & Herrmann 1993, eq (2a)): slow impacts " \
+      "lose more than fast ones",                                                                            \
+      hertz, constant, of_all, "dyn/cm^1.5", "1/s", .sticking_speed = hertz_sticking_speed,                  \
+      .modulus = hertz_modulus, .lammps = "hertz", .lammps_by_radius = true)                                 \
+    X(DEM_LINEAR, linear,                                                                                    \
+      "F_n = k_n x - gamma_n m_eff v_n (Liffman, Chan & Hughes 1992, eqs (23) and (25)): impacts of all "    \
+      "speeds have the same restitution",                                                                    \
+      linear, constant, of_all, "dyn/cm", "1/s", .constant_stiffness = true,                                 \
+      .damping_ratio = linear_damping_ratio, .lammps = "hooke")                                              \
+    X(DEM_TSUJI, tsuji,                                                                                      \
+      "elastic spheres, F_n = k_n x^(3/2) - gamma_n sqrt(m_eff k_n) x^(1/4) v_n (Tsuji, Tanaka & Ishida "    \
+      "1992): impacts of all speeds have the same restitution",                                              \
+      hertz, tsuji, of_all, "dyn/cm^1.5", "1", .damping_ratio = tsuji_damping_ratio,                         \
+      .modulus = hertz_modulus)                                                                              \
+    X(DEM_ELASTIC, elastic,                                                                                  \
+      "tsuji with the stiffness k_n sqrt(R) of each pair's own radii, R = r_i r_j/(r_i + r_j), at a wall "   \
+      "r: k_n = 4/3 E* of `material` (Hertz)",                                                               \
+      hertz, tsuji, by_radius, "dyn/cm^2", "1", .damping_ratio = tsuji_damping_ratio, .lammps = "hertz",     \
+      .lammps_damping = "tsuji")
 
 /* Tangential laws. id; word; manual; has friction; has a spring; its name in LAMMPS, NULL where that has no
  * such law. */
@@ -83,8 +85,6 @@ typedef enum { DEM_ARMS(DEM_ID) } dem_arm;
 typedef enum { DEM_SLIPS(DEM_ID) } dem_slip;
 typedef enum { DEM_DAMPINGS(DEM_ID) } dem_damping;
 enum { DEM_NORMAL_N = DEM_NORMAL_LAWS(DEM_ONE), DEM_TANGENTIAL_N = DEM_TANGENTIAL_LAWS(DEM_ONE) };
-dem_manual dem_normal_manual, dem_tangential_manual, dem_rolling_manual, dem_arm_manual, dem_slip_manual,
-    dem_damping_manual;
 
 #define DEM_LAW_FRICTION(id, word, manual, friction, ...)       | (unsigned)friction << id
 #define DEM_LAW_SPRING(id, word, manual, friction, spring, ...) | (unsigned)spring << id
@@ -100,14 +100,14 @@ static inline bool dem_has_spring(dem_tangential_law law)
 }
 
 /* Units of a coefficient, "; hertz: dyn/cm^1.5; linear: dyn/cm". */
-#define DEM_LAW_K_N(id, word, spring, dashpot, scale, k_n, ...)              "; " #word ": " k_n
-#define DEM_LAW_GAMMA_N(id, word, spring, dashpot, scale, k_n, gamma_n, ...) "; " #word ": " gamma_n
-#define DEM_K_N_UNITS                                                        "" DEM_NORMAL_LAWS(DEM_LAW_K_N)
-#define DEM_GAMMA_N_UNITS                                                    "" DEM_NORMAL_LAWS(DEM_LAW_GAMMA_N)
+#define DEM_LAW_K_N(id, word, manual, spring, dashpot, scale, k_n, ...)              "; " #word ": " k_n
+#define DEM_LAW_GAMMA_N(id, word, manual, spring, dashpot, scale, k_n, gamma_n, ...) "; " #word ": " gamma_n
+#define DEM_K_N_UNITS                                                                "" DEM_NORMAL_LAWS(DEM_LAW_K_N)
+#define DEM_GAMMA_N_UNITS                                                            "" DEM_NORMAL_LAWS(DEM_LAW_GAMMA_N)
 
 /* A normal law, for all but its force. m_eff is the contact's effective mass, v an approach speed. */
 typedef struct {
-    const char *name, *manual, *k_n_unit, *gamma_n_unit;
+    const char *name, *k_n_unit, *gamma_n_unit;
     /* k_n of a contact of this effective radius, which the functions below take */
     double (*scale)(double k_n, double r_eff);
     double (*stiffness)(double k_n, double overlap);              /* dF/d(overlap) of the spring */
@@ -133,7 +133,7 @@ typedef struct {
 extern const dem_normal_descriptor dem_normal_descriptors[DEM_NORMAL_N];
 
 typedef struct {
-    const char *name, *manual, *lammps;
+    const char *name, *lammps;
 } dem_tangential_descriptor;
 extern const dem_tangential_descriptor dem_tangential_descriptors[DEM_TANGENTIAL_N];
 
@@ -147,6 +147,32 @@ void dem_elastic_contact(const double E[2], const double nu[2], double *k_n, dou
  * tension to 1e-15 or so of it. */
 double dem_restitution(bool tension, double damping_ratio);
 double dem_damping_ratio_of(bool tension, double restitution);
+
+/* ---- A single impact, solved apart from the simulator; impact.c ---- */
+
+/* Two bodies that meet head-on at the speed v > 0. */
+typedef struct {
+    dem_normal_law normal;
+    bool tension;
+    double k_n, gamma_n, m_eff, v;
+} dem_head_on;
+
+/* Their impact, from first touch until the overlap is 0 again, by an adaptive Runge-Kutta method, without the
+ * simulator. Damping beyond 1e4 of the spring's rate: the limit of no spring, to 1e-6. A pair that never
+ * parts has restitution 0 and time INFINITY. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
+typedef struct {
+    double restitution, overlap, time;
+} dem_collision_result;
+rp_status dem_collision(const dem_head_on *bodies, dem_collision_result *result);
+
+/* Largest error of the part of their energy that is left after the impact, by leapfrog steps dt that begin
+ * anywhere before touch; the exact impact has this restitution. */
+double dem_impact_error(const dem_head_on *bodies, double restitution, double dt);
+
+/* gamma_n with which their impact has this restitution, in (0, 1], whatever gamma_n they have: in closed
+ * form, at any speed, where the law has a damping ratio; else from dem_collision, to 1e-12 of it. Errors:
+ * RP_BAD_INPUT, RP_NO_MEMORY. */
+rp_status dem_damping_of(const dem_head_on *bodies, double restitution, double *gamma_n);
 
 RP_C_END
 

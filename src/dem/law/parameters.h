@@ -11,7 +11,7 @@
  *   AUTOMATIC  of a MATERIAL: value of "auto", from the other coefficients `m` of the same contact, and
  *              `rate`: gamma_n is in 1/s; negative for none
  *   WALL       of a MATERIAL: "auto" of a wall is this times the grains' coefficient
- * and of a choice, MANUAL_BY: the function that gives the manual of a word. */
+ * and of a choice, which is a SCENE, further members of its rp_param. */
 #ifndef DEM_PARAMETERS_H
 #define DEM_PARAMETERS_H
 
@@ -20,37 +20,38 @@
 #include "params/params.h"
 
 /* The columns' names, in the order of a row. */
-#define DEM_KEY(key)            key
-#define DEM_UNIT(unit)          unit
-#define DEM_DEFAULT(text)       text
-#define DEM_RANGE(range)        range
-#define DEM_ALSO(words)         words
-#define DEM_AUTOMATIC(value)    value
-#define DEM_WALL(factor)        factor
-#define DEM_MEANING(text)       text
-#define DEM_MANUAL_BY(function) .manual = function
+#define DEM_KEY(key)         key
+#define DEM_UNIT(unit)       unit
+#define DEM_DEFAULT(text)    text
+#define DEM_RANGE(range)     range
+#define DEM_ALSO(words)      words
+#define DEM_AUTOMATIC(value) value
+#define DEM_WALL(factor)     factor
+#define DEM_MEANING(text)    text
 /* All but a key's own columns: of a parameter that no wall has. */
-#define DEM_NO_WALL DEM_ALSO(""), DEM_AUTOMATIC(0), DEM_WALL(0)
+#define DEM_NO_WALL DEM_ALSO(), DEM_AUTOMATIC(0), DEM_WALL(0)
+/* A choice of the words of a list, see choices.h. */
+#define DEM_CHOICE(X, name, KEY, DEFAULT, LIST, MEANING)                                                     \
+    X(SCENE, RP_CHOICE, name, KEY, DEM_UNIT(""), DEFAULT, DEM_RANGE(DEM_WORDS(LIST)), DEM_NO_WALL, MEANING,  \
+      .manual = DEM_MANUALS(LIST))
 
 /* clang-format off */
 /* Top level of a scene file. */
 #define DEM_GRAIN_PARAMS(X) \
     X(SCENE, RP_BOOL, rotation, DEM_KEY("rotation"), DEM_UNIT(""), DEM_DEFAULT("false"), DEM_RANGE(""), DEM_NO_WALL, \
       DEM_MEANING("whether grains rotate")) \
-    X(SCENE, RP_CHOICE, shape, DEM_KEY("shape"), DEM_UNIT(""), DEM_DEFAULT("sphere"), DEM_RANGE(DEM_WORDS(DEM_SHAPES)), \
-      DEM_NO_WALL, DEM_MEANING("gives mass (from the density) and moment of inertia"), DEM_MANUAL_BY(dem_shape_manual)) \
+    DEM_CHOICE(X, shape, DEM_KEY("shape"), DEM_DEFAULT("sphere"), DEM_SHAPES, \
+      DEM_MEANING("gives mass (from the density) and moment of inertia")) \
     X(GRAIN, RP_REAL, density, DEM_KEY("density"), DEM_UNIT("g/cm^3"), DEM_DEFAULT("1.0"), DEM_RANGE("(0, inf)"), DEM_NO_WALL, \
       DEM_MEANING("of the grains (disk: g/cm^2, without a default in other units)")) \
-    X(SCENE, RP_CHOICE, integrator, DEM_KEY("integrator"), DEM_UNIT(""), DEM_DEFAULT("verlet"), \
-      DEM_RANGE(DEM_WORDS(DEM_INTEGRATOR_LIST)), DEM_NO_WALL, DEM_MEANING("method of time integration"), \
-      DEM_MANUAL_BY(dem_integrator_manual)) \
+    DEM_CHOICE(X, integrator, DEM_KEY("integrator"), DEM_DEFAULT("verlet"), DEM_INTEGRATOR_LIST, \
+      DEM_MEANING("method of time integration")) \
     X(SCENE, RP_REAL, dt, DEM_KEY("dt"), DEM_UNIT("s"), DEM_DEFAULT("5e-5"), DEM_RANGE("(0, inf)"), DEM_NO_WALL, \
       DEM_MEANING("time step"))
 
 /* Group `normal`. */
 #define DEM_NORMAL_PARAMS(X) \
-    X(SCENE, RP_CHOICE, normal, DEM_KEY("law"), DEM_UNIT(""), DEM_DEFAULT("hertz"), DEM_RANGE(DEM_WORDS(DEM_NORMAL_LAWS)), \
-      DEM_NO_WALL, DEM_MEANING("normal force"), DEM_MANUAL_BY(dem_normal_manual)) \
+    DEM_CHOICE(X, normal, DEM_KEY("law"), DEM_DEFAULT("hertz"), DEM_NORMAL_LAWS, DEM_MEANING("normal force")) \
     X(MATERIAL, RP_REAL, k_n, DEM_KEY("k_n"), DEM_UNIT("dyn/cm^1.5"), DEM_DEFAULT("1e6"), DEM_RANGE("[0, inf)"), DEM_ALSO(""), \
       DEM_AUTOMATIC(m->k_n), DEM_WALL(2.0), DEM_MEANING("normal stiffness" DEM_K_N_UNITS)) \
     X(MATERIAL, RP_REAL, restitution, DEM_KEY("restitution"), DEM_UNIT(""), DEM_DEFAULT("auto"), DEM_RANGE("(0, 1]"), \
@@ -67,8 +68,8 @@
 
 /* Group `tangential`. */
 #define DEM_TANGENTIAL_PARAMS(X) \
-    X(SCENE, RP_CHOICE, tangential, DEM_KEY("law"), DEM_UNIT(""), DEM_DEFAULT("none"), DEM_RANGE(DEM_WORDS(DEM_TANGENTIAL_LAWS)), \
-      DEM_NO_WALL, DEM_MEANING("force along the contact"), DEM_MANUAL_BY(dem_tangential_manual)) \
+    DEM_CHOICE(X, tangential, DEM_KEY("law"), DEM_DEFAULT("none"), DEM_TANGENTIAL_LAWS, \
+      DEM_MEANING("force along the contact")) \
     X(MATERIAL, RP_REAL, k_s, DEM_KEY("k_s"), DEM_UNIT("dyn/cm"), DEM_DEFAULT("1e4"), DEM_RANGE("(0, inf)"), DEM_ALSO(""), \
       DEM_AUTOMATIC(m->k_s), DEM_WALL(1.0), DEM_MEANING("shear stiffness; mindlin: dyn/cm^2")) \
     X(MATERIAL, RP_REAL, gamma_s, DEM_KEY("gamma_s"), DEM_UNIT("1/s"), DEM_DEFAULT("auto"), DEM_RANGE("[0, inf)"), \
@@ -76,20 +77,17 @@
       DEM_WALL(1.0), DEM_MEANING("shear damping; mindlin: over sqrt(stiffness/m_eff); auto: gamma_n/100 where that is in 1/s; mindlin: " \
                                  "sqrt(2/3) gamma_n, the same part of critical, or 0 beside a gamma_n in 1/s")) \
     DEM_MU_PARAM(X, "0.0") \
-    X(SCENE, RP_CHOICE, slip, DEM_KEY("slip"), DEM_UNIT(""), DEM_DEFAULT("truncated"), DEM_RANGE(DEM_WORDS(DEM_SLIPS)), \
-      DEM_NO_WALL, DEM_MEANING("shear spring of a sliding contact: cut at the Coulomb limit, or as (2b) is printed"), \
-      DEM_MANUAL_BY(dem_slip_manual)) \
-    X(SCENE, RP_CHOICE, damping, DEM_KEY("damping"), DEM_UNIT(""), DEM_DEFAULT("outside"), DEM_RANGE(DEM_WORDS(DEM_DAMPINGS)), \
-      DEM_NO_WALL, DEM_MEANING("whether the limit mu F_n leaves the shear dashpot out, as printed, or holds it with the spring"), \
-      DEM_MANUAL_BY(dem_damping_manual))
+    DEM_CHOICE(X, slip, DEM_KEY("slip"), DEM_DEFAULT("truncated"), DEM_SLIPS, \
+      DEM_MEANING("shear spring of a sliding contact: cut at the Coulomb limit, or as (2b) is printed")) \
+    DEM_CHOICE(X, damping, DEM_KEY("damping"), DEM_DEFAULT("outside"), DEM_DAMPINGS, \
+      DEM_MEANING("whether the limit mu F_n leaves the shear dashpot out, as printed, or holds it with the spring"))
 
 /* Group `rolling`. */
 #define DEM_ROLLING_PARAMS(X) \
     DEM_MU_ROLL_PARAM(X, "0.0") \
-    X(SCENE, RP_CHOICE, rolling, DEM_KEY("model"), DEM_UNIT(""), DEM_DEFAULT("spring"), DEM_RANGE(DEM_WORDS(DEM_ROLLINGS)), \
-      DEM_NO_WALL, DEM_MEANING("resistance to rolling"), DEM_MANUAL_BY(dem_rolling_manual)) \
-    X(SCENE, RP_CHOICE, rolling_arm, DEM_KEY("arm"), DEM_UNIT(""), DEM_DEFAULT("reduced"), DEM_RANGE(DEM_WORDS(DEM_ARMS)), \
-      DEM_NO_WALL, DEM_MEANING("arm of rolling resistance between grains"), DEM_MANUAL_BY(dem_arm_manual)) \
+    DEM_CHOICE(X, rolling, DEM_KEY("model"), DEM_DEFAULT("spring"), DEM_ROLLINGS, DEM_MEANING("resistance to rolling")) \
+    DEM_CHOICE(X, rolling_arm, DEM_KEY("arm"), DEM_DEFAULT("reduced"), DEM_ARMS, \
+      DEM_MEANING("arm of rolling resistance between grains")) \
     X(MATERIAL, RP_REAL, k_roll, DEM_KEY("k"), DEM_UNIT("dyn/cm"), DEM_DEFAULT("auto"), DEM_RANGE("[0, inf)"), \
       DEM_ALSO(" | auto"), DEM_AUTOMATIC(m->k_s), DEM_WALL(1.0), DEM_MEANING("stiffness of rolling; auto: k_s")) \
     X(MATERIAL, RP_REAL, gamma_roll, DEM_KEY("gamma"), DEM_UNIT("1/s"), DEM_DEFAULT("auto"), DEM_RANGE("[0, inf)"), \
@@ -133,19 +131,12 @@
 
 /* Rows of a schema whose values are in member `at` of a structure T. In a scene file they have their keys,
  * elsewhere their names. */
-#define DEM_ALLOWED_MATERIAL(range, also) range also
-#define DEM_ALLOWED_SCENE(range, also)    range
-#define DEM_ALLOWED_GRAIN(range, also)    range
-#define DEM_ALLOWED_FILL(range, also)     range
-#define DEM_KEY_ROW(...)                  DEM_KEY_ROW_OF(__VA_ARGS__)
+#define DEM_KEY_ROW(...) DEM_KEY_ROW_OF(__VA_ARGS__)
 #define DEM_KEY_ROW_OF(T, at, kind, type, name, key, unit, fallback, range, also, automatic, wall, ...)      \
-    {key, unit, type, offsetof(T, at name), fallback, DEM_ALLOWED_##kind(range, also), __VA_ARGS__},
+    {key, unit, type, offsetof(T, at name), fallback, range also, __VA_ARGS__},
 #define DEM_NAME_ROW(...) DEM_NAME_ROW_OF(__VA_ARGS__)
 #define DEM_NAME_ROW_OF(T, at, kind, type, name, key, unit, fallback, range, also, automatic, wall, ...)     \
-    {#name,       unit,                                                                                      \
-     type,        offsetof(T, at name),                                                                      \
-     fallback,    DEM_ALLOWED_##kind(range, also),                                                           \
-     __VA_ARGS__, .inherited = true},
+    {#name, unit, type, offsetof(T, at name), fallback, range also, __VA_ARGS__, .inherited = true},
 
 /* Coefficients of one kind of contact, grain-grain or grain-wall. mu and mu_roll may be INFINITY.
  * Rolling resistance acts through the force of a spring and a dashpot against R_eff (omega_i - omega_j),

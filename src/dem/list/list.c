@@ -9,7 +9,7 @@
 
 #include "dem/forces/forces.h"
 #include "dem/list/list.h"
-#include "dem/threads/parts.h"
+#include "dem/threads/threads.h"
 
 static rp_status no_memory(void)
 {
@@ -33,35 +33,42 @@ static double cell_size(const dem_sim *sim, double speed)
     return 2.0 * (sim->r_max + margin(sim, speed));
 }
 
-rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
+/* Work space for these cells and so many grains. */
+static rp_status reserve(dem_sim *sim, dem_cells cells, size_t capacity)
 {
-    struct dem_list_work *w = sim->list.work = calloc(1, sizeof *w);
-    if (!w) return no_memory();
-    w->held = (dem_pairs){.rolling = sim->pairs.rolling, .springs_only = true};
-    dem_cells *const cells = &w->cells;
-    if (like) {
-        cells->columns = like->list.work->cells.columns;
-        cells->rows = like->list.work->cells.rows;
-        while (sim->grains.capacity > like->grains.capacity &&
-               4 * cells->columns * cells->rows < sim->grains.n)
-            *(cells->columns < cells->rows ? &cells->columns : &cells->rows) *= 2; /* grains were put in */
-    } else {
-        dem_cells_choose(sim, cell_size(sim, 0.0), cells);
-    }
-    cells->start = calloc(cells->columns * cells->rows + 1, sizeof *cells->start);
-    return cells->start ? dem_grains_alloc(sim, sim->grains.capacity, true, &w->spare) : no_memory();
+    if (!sim->list.work && !(sim->list.work = calloc(1, sizeof *sim->list.work))) return no_memory();
+    struct dem_list_work *w = sim->list.work;
+    w->held.rolling = sim->pairs.rolling, w->held.springs_only = true;
+    RP_TRY(dem_grains_reserve(sim, capacity, true, &w->spare));
+    if (!(cells.start = calloc(cells.columns * cells.rows + 1, sizeof *cells.start))) return no_memory();
+    free(w->cells.start);
+    w->cells = cells;
+    return RP_OK;
+}
+
+rp_status dem_neighbours_alloc(dem_sim *sim)
+{
+    dem_cells cells = {0};
+    dem_cells_choose(sim, cell_size(sim, 0.0), &cells);
+    return reserve(sim, cells, sim->grains.capacity);
+}
+
+rp_status dem_neighbours_grow(dem_sim *sim, size_t capacity)
+{
+    dem_cells cells = sim->list.work->cells;
+    while (4 * cells.columns * cells.rows < sim->grains.n)
+        *(cells.columns < cells.rows ? &cells.columns : &cells.rows) *= 2;
+    return reserve(sim, cells, capacity);
 }
 
 void dem_neighbours_keep(rp_snapshot *s, dem_sim *sim)
 {
-    struct dem_list_work work = {0};
-    if (!s->reading) work = *sim->list.work;
-    RP_KEEP(s, work.cells.columns);
-    RP_KEEP(s, work.cells.rows);
-    rp_keep_check(s, dem_cells_are_possible(&work.cells, sim->grains.last_id), "impossible cells");
-    if (s->status || !s->reading) return;
-    const dem_sim like = {.grains.capacity = sim->grains.capacity, .list.work = &work};
-    s->status = dem_neighbours_alloc(sim, &like);
+    dem_cells cells = {0};
+    if (!s->reading) cells = sim->list.work->cells;
+    RP_KEEP(s, cells.columns);
+    RP_KEEP(s, cells.rows);
+    rp_keep_check(s, dem_cells_are_possible(&cells, sim->grains.last_id), "impossible cells");
+    if (!s->status && s->reading) s->status = reserve(sim, cells, sim->grains.capacity);
 }
 
 void dem_neighbours_free(dem_sim *sim)
@@ -100,11 +107,8 @@ static rp_status check_grain(dem_sim *sim, size_t i)
 
 static rp_status check_grains(dem_sim *sim, dem_part *part)
 {
-    const size_t end = dem_share_end(part, sim->grains.n, 1);
-    rp_status status = RP_OK;
-    for (size_t i = dem_share_start(part, sim->grains.n, 1); i < end && !status; i++)
-        status = check_grain(sim, i);
-    return status;
+    for (size_t i = part->from; i < part->to; i++) RP_TRY(check_grain(sim, i));
+    return RP_OK;
 }
 
 static double speed_of(const dem_motion *grain)
@@ -124,15 +128,13 @@ static void mark_grain(dem_sim *sim, size_t i, double speed)
 
 static rp_status move_grains(dem_sim *sim, dem_part *part)
 {
-    dem_grains_put(&sim->grains, sim->grains.moved_to, &sim->list.work->spare,
-                   dem_share_start(part, sim->grains.n, 1), dem_share_end(part, sim->grains.n, 1));
+    dem_grains_put(&sim->grains, sim->grains.moved_to, &sim->list.work->spare, part->from, part->to);
     return RP_OK;
 }
 
 static rp_status mark_grains(dem_sim *sim, dem_part *part)
 {
-    const size_t end = dem_share_end(part, sim->grains.n, DEM_GROUP);
-    for (size_t i = dem_share_start(part, sim->grains.n, DEM_GROUP); i < end; i++) {
+    for (size_t i = part->from; i < part->to; i++) {
         const dem_vec x = sim->grains.motion[i].x;
         mark_grain(sim, i, speed_of(&sim->grains.motion[i]));
         sim->grains.held[i] = DEM_NOWHERE;
@@ -146,13 +148,13 @@ static rp_status sort_grains(dem_sim *sim)
 {
     dem_cells *const cells = &sim->list.work->cells;
     RP_TRY(dem_cells_sort(sim, cell_size(sim, sim->list.fastest)));
-    RP_TRY(dem_threads_do(sim, move_grains));
+    RP_TRY(dem_threads_do(sim, move_grains, sim->grains.n, 1));
     dem_grains_take(&sim->grains, &sim->list.work->spare, cells->start[cells->columns * cells->rows]);
     sim->grains.n_fixed = 0;
     for (size_t i = 0; i < sim->grains.n; i++)
         if (dem_is_fixed(sim, i)) sim->grains.fixed[sim->grains.n_fixed++] = (uint32_t)i;
     sim->list.far2 = 0.0;
-    return dem_threads_do(sim, mark_grains);
+    return dem_threads_do(sim, mark_grains, sim->grains.n, DEM_GROUP);
 }
 
 /* Round-off of a position at this squared distance from the origin, at most. */
@@ -161,21 +163,14 @@ static double round_off(const dem_sim *sim, double far2)
     return 1e-15 * (sqrt(far2) + sim->list.skin);
 }
 
-static void measure_far(dem_sim *sim)
-{
-    dem_walls_limit(sim, sqrt(sim->list.far2));
-    sim->list.round_off = round_off(sim, sim->list.far2);
-}
-
 /* Keep the springs of touching pairs of the part's share of the old list. The order of a chain does not
  * matter. */
 static rp_status hold_part(dem_sim *sim, dem_part *part)
 {
     const dem_pairs *pairs = &sim->pairs;
-    const size_t from = dem_share_start(part, pairs->n, 64), end = dem_share_end(part, pairs->n, 64);
     dem_pairs *held = &sim->list.work->held;
-    uint32_t n = (uint32_t)dem_count_touching_below(pairs, from), *const first = sim->grains.held;
-    DEM_EACH_TOUCHING_OF(pairs, from, end, k)
+    uint32_t n = (uint32_t)dem_count_touching_below(pairs, part->from), *const first = sim->grains.held;
+    DEM_EACH_TOUCHING_OF(pairs, part->from, part->to, k)
     {
         const uint32_t a = sim->grains.moved_to[pairs->i[k]], b = sim->grains.moved_to[pairs->j[k]];
         if (a == DEM_NOWHERE || b == DEM_NOWHERE) continue;
@@ -189,12 +184,6 @@ static rp_status hold_part(dem_sim *sim, dem_part *part)
         n++;
     }
     return RP_OK;
-}
-
-static rp_status hold_springs(dem_sim *sim)
-{
-    RP_TRY(dem_pairs_reserve(&sim->list.work->held, dem_count_touching(&sim->pairs)));
-    return dem_threads_do(sim, hold_part);
 }
 
 /* Give pair k of grains a and b the springs it held before. */
@@ -240,9 +229,7 @@ static void find_touching(dem_sim *sim, size_t k, size_t end)
 static rp_status part_pairs(dem_sim *sim)
 {
     struct dem_list_work *w = sim->list.work;
-    if (sim->pairs.n > w->apart_capacity &&
-        !dem_grow(&w->apart, 2 * sizeof *w->apart, w->apart_capacity = 2 * sim->pairs.n))
-        return no_memory();
+    RP_TRY(dem_room("neighbour list", &w->apart, 2 * sizeof *w->apart, sim->pairs.n, &w->apart_capacity));
     size_t touching = 0, apart = 0;
     for (size_t k = 0; k < sim->pairs.n; k++) {
         const uint32_t i = sim->pairs.i[k], j = sim->pairs.j[k];
@@ -263,33 +250,14 @@ static rp_status part_pairs(dem_sim *sim)
     return RP_OK;
 }
 
+/* The part's share of the new list. */
 static rp_status complete_part(dem_sim *sim, dem_part *part)
 {
-    complete_pairs(sim, dem_share_start(part, sim->pairs.n, 1), dem_share_end(part, sim->pairs.n, 1));
-    return RP_OK;
-}
-
-static rp_status restore_part(dem_sim *sim, dem_part *part)
-{
-    const size_t from = dem_share_start(part, sim->pairs.n, 64), end = dem_share_end(part, sim->pairs.n, 64);
-    find_touching(sim, from, end);
-    DEM_EACH_TOUCHING_OF(&sim->pairs, from, end, k)
+    complete_pairs(sim, part->from, part->to);
+    find_touching(sim, part->from, part->to);
+    DEM_EACH_TOUCHING_OF(&sim->pairs, part->from, part->to, k)
     restore_springs(sim, k, sim->pairs.i[k], sim->pairs.j[k]);
     return RP_OK;
-}
-
-static rp_status find_pairs(dem_sim *sim)
-{
-    RP_TRY(dem_cells_find_pairs(sim));
-    if (sim->def.hard.on) RP_TRY(part_pairs(sim));
-    RP_TRY(dem_threads_do(sim, complete_part));
-    return dem_threads_do(sim, restore_part);
-}
-
-/* Is a point of the line at `along` farther than `most` from what is left of it between its ends? */
-static inline bool is_beyond_ends(const dem_wall *wall, double along, double most)
-{
-    return along < wall->extent[0] - most || along > wall->extent[1] + most;
 }
 
 /* May grain i touch wall k until the next rebuilding? A wall that is gone touches none. */
@@ -299,18 +267,17 @@ static bool is_near_wall(const dem_sim *sim, size_t k, size_t i)
     const dem_wall_line *line = &sim->walls.line[k];
     const bool turns = sim->def.box_turn_per_step != 0.0 && sim->step >= sim->walls.turn_from_step;
     const double more = line->moves ? sim->walls.margin : turns ? 0.5 * sim->list.skin : 0.0;
-    if (dem_wall_opens(sim, k) && isinf(wall->open_speed)) return false;
+    if (dem_wall_is_gone(sim, k)) return false;
     const dem_vec d = sim->grains.listed_x[i] - line->point;
-    const double most = sim->grains.cutoff[i] + more;
+    const double most = sim->grains.cutoff[i] + more, along = dem_dot(d, dem_clockwise(line->direction));
     return fabs(dem_dot(d, line->direction)) < most && !dem_is_fixed(sim, i) &&
-           !is_beyond_ends(wall, dem_dot(d, dem_clockwise(line->direction)), most);
+           along >= wall->extent[0] - most && along <= wall->extent[1] + most;
 }
 
 /* Grains near any wall. */
 static rp_status find_near_walls(dem_sim *sim, dem_part *part)
 {
-    const size_t end = dem_share_end(part, sim->grains.n, 1);
-    for (size_t i = dem_share_start(part, sim->grains.n, 1); i < end; i++) {
+    for (size_t i = part->from; i < part->to; i++) {
         bool near = false;
         for (size_t k = 0; k < sim->def.n_walls && !near; k++) near = is_near_wall(sim, k, i);
         sim->grains.cell[i] = near;
@@ -326,11 +293,9 @@ static rp_status find_wall_slots(dem_sim *sim)
     uint32_t *const near = sim->grains.cell;
     size_t n_near = 0;
     memset(sim->grains.held_slot, 0xff, sim->grains.n * sizeof *sim->grains.held_slot);
-    if (n_old > w->wall_capacity &&
-        !dem_grow(&w->wall_slot, sizeof *w->wall_slot, w->wall_capacity = sim->walls.capacity))
-        return no_memory();
+    RP_TRY(dem_room("neighbour list", &w->wall_slot, sizeof *w->wall_slot, n_old, &w->wall_capacity));
     if (n_old) memcpy(w->wall_slot, sim->walls.slot, n_old * sizeof *w->wall_slot);
-    RP_TRY(dem_threads_do(sim, find_near_walls));
+    RP_TRY(dem_threads_do(sim, find_near_walls, sim->grains.n, 1));
     for (uint32_t i = 0; i < sim->grains.n; i++)
         if (near[i]) near[n_near++] = i;
     sim->walls.n_slots = 0;
@@ -342,10 +307,8 @@ static rp_status find_wall_slots(dem_sim *sim)
             const uint32_t i = near[m], held = sim->grains.held_slot[i];
             sim->grains.held_slot[i] = DEM_NOWHERE;
             if (!is_near_wall(sim, k, i)) continue;
-            if (sim->walls.n_slots == sim->walls.capacity &&
-                !dem_grow(&sim->walls.slot, sizeof *sim->walls.slot,
-                          sim->walls.capacity = 2 * sim->walls.capacity + 64))
-                return no_memory();
+            RP_TRY(dem_room("neighbour list", &sim->walls.slot, sizeof *sim->walls.slot,
+                            sim->walls.n_slots + 1, &sim->walls.capacity));
             const dem_vec d = sim->grains.listed_x[i] - sim->walls.line[k].point;
             const bool behind = dem_dot(d, sim->walls.line[k].direction) < 0.0;
             dem_wall_slot *slot = &sim->walls.slot[sim->walls.n_slots++];
@@ -354,8 +317,7 @@ static rp_status find_wall_slots(dem_sim *sim)
             slot->grain = i;
         }
     }
-    dem_walls_find_starts(&sim->walls, sim->def.n_walls);
-    dem_walls_link(&sim->walls, sim->grains.n, sim->grains.held_slot);
+    dem_walls_link(&sim->walls, sim->def.n_walls, sim->grains.n, sim->grains.held_slot);
     return RP_OK;
 }
 
@@ -363,16 +325,20 @@ rp_status dem_neighbours_rebuild(dem_sim *sim)
 {
     dem_neighbours_close_gaps(sim);
     sim->list.fastest = 0.0;
-    RP_TRY(dem_threads_do(sim, check_grains));
+    RP_TRY(dem_threads_do(sim, check_grains, sim->grains.n, 1));
     sim->count.rebuilds++;
     RP_TRY(sort_grains(sim));
-    measure_far(sim);
-    rp_status status = hold_springs(sim);
-    if (!status) status = find_pairs(sim);
+    dem_walls_limit(sim, sqrt(sim->list.far2));
+    sim->list.round_off = round_off(sim, sim->list.far2);
+    RP_TRY(dem_pairs_reserve(&sim->list.work->held, dem_count_touching(&sim->pairs)));
+    RP_TRY(dem_threads_do(sim, hold_part, sim->pairs.n, 64));
+    RP_TRY(dem_cells_find_pairs(sim));
+    if (sim->def.hard.on) RP_TRY(part_pairs(sim));
+    RP_TRY(dem_threads_do(sim, complete_part, sim->pairs.n, 64));
     dem_pairs_pad(&sim->pairs);
-    if (!status) status = find_wall_slots(sim);
-    if (!status) status = dem_pairs_plan_chunks(&sim->pairs, sim->grains.n);
-    return status ? status : dem_threads_divide(sim);
+    RP_TRY(find_wall_slots(sim));
+    RP_TRY(dem_pairs_plan_chunks(&sim->pairs, sim->grains.n));
+    return dem_threads_divide(sim);
 }
 
 /* Remove the pairs of grain i that are beyond their cutoffs, and append those not yet listed. Touching pairs
@@ -393,8 +359,7 @@ static rp_status renew_pairs(dem_sim *sim, uint32_t i, uint32_t *listed, uint32_
         else
             dem_pairs_remove(&sim->pairs, k);
     }
-    rp_status status = dem_pairs_reserve(&sim->pairs, sim->grains.n);
-    if (status) return status;
+    RP_TRY(dem_pairs_reserve(&sim->pairs, sim->grains.n));
     const size_t from = sim->pairs.n;
     sim->loops.append(sim, i, 0, sim->grains.n);
     size_t n = from;
@@ -424,9 +389,7 @@ rp_status dem_neighbours_renew(dem_sim *sim, bool accelerates)
         if (n == FEW) return dem_neighbours_rebuild(sim);
         moved[n++] = (uint32_t)i;
     }
-    rp_status status = RP_OK;
-    for (size_t m = 0; m < n && !status; m++) status = check_grain(sim, moved[m]);
-    if (status) return status;
+    for (size_t m = 0; m < n; m++) RP_TRY(check_grain(sim, moved[m]));
     for (size_t m = 0; m < n; m++) {
         const dem_vec x = sim->grains.motion[moved[m]].x;
         const dem_motion *now = &sim->grains.motion[moved[m]], *next = &sim->grains.next_motion[moved[m]];
@@ -434,11 +397,9 @@ rp_status dem_neighbours_renew(dem_sim *sim, bool accelerates)
         sim->list.round_off = fmax(sim->list.round_off, round_off(sim, dem_dot(x, x)));
     }
     memset(sim->grains.cell, 0, sim->grains.n * sizeof *sim->grains.cell);
-    for (size_t m = 0; m < n && !status; m++)
-        status = renew_pairs(sim, moved[m], sim->grains.cell, (uint32_t)m + 1);
+    for (size_t m = 0; m < n; m++) RP_TRY(renew_pairs(sim, moved[m], sim->grains.cell, (uint32_t)m + 1));
     dem_pairs_pad(&sim->pairs);
     find_touching(sim, 0, sim->pairs.n);
     for (uint32_t i = 0; i < sim->grains.n; i++) sim->grains.moved_to[i] = i;
-    if (!status) status = find_wall_slots(sim);
-    return status;
+    return find_wall_slots(sim);
 }

@@ -4,8 +4,9 @@
 
 #include "dem/state/state.h"
 
-/* Work space of a simulation, or of the copy of another, for its capacity of grains. Errors: RP_NO_MEMORY. */
-rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like);
+/* Work space of a simulation at its start, and for more grains than its capacity. Errors: RP_NO_MEMORY. */
+rp_status dem_neighbours_alloc(dem_sim *sim);
+rp_status dem_neighbours_grow(dem_sim *sim, size_t capacity);
 void dem_neighbours_free(dem_sim *sim);
 
 /* Its part of a snapshot; a reading makes the work space. */

@@ -5,7 +5,7 @@
 #include <math.h>
 
 #include "dem/list/list.h"
-#include "dem/threads/parts.h"
+#include "dem/threads/threads.h"
 
 /* May grains that left stay in the arrays for some steps? */
 static bool may_stay(const dem_sim *sim)
@@ -62,8 +62,7 @@ static void drop_slots(dem_sim *sim)
             sim->walls.slot[n++] = sim->walls.slot[k];
     if (n == sim->walls.n_slots) return;
     sim->walls.n_slots = n;
-    dem_walls_find_starts(&sim->walls, sim->def.n_walls);
-    dem_walls_link(&sim->walls, sim->grains.n, sim->grains.held_slot);
+    dem_walls_link(&sim->walls, sim->def.n_walls, sim->grains.n, sim->grains.held_slot);
     dem_threads_find_slots(sim);
 }
 

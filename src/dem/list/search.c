@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "dem/list/list.h"
-#include "dem/threads/parts.h"
+#include "dem/threads/threads.h"
 
 enum { MOST_CELLS = 1 << 14 }; /* in a row at the start */
 
@@ -42,8 +42,7 @@ static rp_status find_cells(dem_sim *sim, dem_part *part)
 {
     const dem_cells *cells = &sim->list.work->cells;
     const double inverse_size = 1.0 / cells->size;
-    const size_t end = dem_share_end(part, sim->grains.n, 1);
-    for (size_t i = dem_share_start(part, sim->grains.n, 1); i < end; i++) {
+    for (size_t i = part->from; i < part->to; i++) {
         dem_vec x = sim->grains.motion[i].x;
         if (dem_beyond(sim, x)) {
             sim->grains.cell[i] = DEM_NOWHERE;
@@ -61,7 +60,7 @@ rp_status dem_cells_sort(dem_sim *sim, double size)
     dem_cells *const cells = &sim->list.work->cells;
     const size_t n_cells = cells->columns * cells->rows;
     cells->size = size;
-    RP_TRY(dem_threads_do(sim, find_cells));
+    RP_TRY(dem_threads_do(sim, find_cells, sim->grains.n, 1));
     memset(cells->start, 0, (n_cells + 1) * sizeof *cells->start);
     for (size_t i = 0; i < sim->grains.n; i++)
         if (sim->grains.cell[i] != DEM_NOWHERE) cells->start[sim->grains.cell[i] + 1]++;
@@ -104,9 +103,9 @@ static rp_status append_cells(dem_sim *sim, dem_part *part)
 {
     const dem_cells *cells = &sim->list.work->cells;
     const size_t mask_x = cells->columns - 1, n_cells = cells->columns * cells->rows,
-                 last = first_cell(cells, dem_share_end(part, sim->grains.n, 1));
+                 last = first_cell(cells, part->to);
     dem_threads_collect(sim, part);
-    for (size_t c = first_cell(cells, dem_share_start(part, sim->grains.n, 1)); c < last; c++) {
+    for (size_t c = first_cell(cells, part->from); c < last; c++) {
         const size_t cx = c & mask_x, row = c - cx, up = (row + cells->columns) & (n_cells - 1);
         const size_t half[4] = {row + ((cx + 1) & mask_x), up + ((cx - 1) & mask_x), up + cx,
                                 up + ((cx + 1) & mask_x)};
@@ -126,24 +125,16 @@ static rp_status append_cells(dem_sim *sim, dem_part *part)
     return RP_OK;
 }
 
-static rp_status find_plainly(dem_sim *sim)
-{
-    RP_TRY(dem_threads_do(sim, append_cells));
-    return dem_threads_gather(sim);
-}
-
-/* Cells that hold many grains are searched by cells of the grains' own sizes. */
-static rp_status find_by_size(dem_sim *sim)
+rp_status dem_cells_find_pairs(dem_sim *sim)
 {
     const dem_cells *cells = &sim->list.work->cells;
+    const double tests = 4.5 * (double)cells->squares; /* of half of the grains in nine cells */
+    if (tests <= sim->list.most_tests * (double)sim->grains.n) {
+        RP_TRY(dem_threads_do(sim, append_cells, sim->grains.n, 1));
+        return dem_threads_gather(sim);
+    }
+    /* cells that hold many grains are searched by cells of the grains' own sizes */
     for (uint32_t c = 0; c < cells->columns * cells->rows; c++)
         for (size_t i = cells->start[c]; i < cells->start[c + 1]; i++) sim->grains.cell[i] = c;
     return dem_sizes_find_pairs(sim);
-}
-
-rp_status dem_cells_find_pairs(dem_sim *sim)
-{
-    /* the plain search tests half of the grains in nine cells */
-    const double tests = 4.5 * (double)sim->list.work->cells.squares;
-    return tests > sim->list.most_tests * (double)sim->grains.n ? find_by_size(sim) : find_plainly(sim);
 }

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dem/threads/parts.h"
+#include "dem/threads/threads.h"
 
 enum { LEVELS = 12 };
 
@@ -75,9 +75,8 @@ static rp_status choose_levels(struct dem_sizes *z, const dem_sim *sim)
         if (level == LEVELS || 4 * n > 2 * sim->grains.n || width < 4.0 * sim->r_min) break;
     }
     z->levels = level;
-    if (z->first_cell[level] < z->start_capacity) return RP_OK;
-    z->start_capacity = 2 * z->first_cell[level] + 1;
-    return dem_grow(&z->start, sizeof *z->start, z->start_capacity) ? RP_OK : no_memory();
+    return dem_room("neighbour list", &z->start, sizeof *z->start, z->first_cell[level] + 1,
+                    &z->start_capacity);
 }
 
 /* The column or row of a level in which a coordinate is. */
@@ -187,14 +186,13 @@ static rp_status append_grain(dem_sim *sorted, size_t p, size_t level)
 static rp_status find_part(dem_sim *sim, dem_part *part)
 {
     const struct dem_sizes *z = sim->list.sizes;
-    const size_t from = dem_share_start(part, sim->grains.n, 1), end = dem_share_end(part, sim->grains.n, 1);
     rp_status status = RP_OK;
     dem_threads_collect(sim, part);
     dem_sim sorted = *sim;
     sorted.grains.listed_x = z->x;
     sorted.grains.cutoff = z->cutoff;
     sorted.grains.inverse_mass = z->inverse_mass;
-    for (size_t p = from, level = 0; p < end && !status; p++) {
+    for (size_t p = part->from, level = 0; p < part->to && !status; p++) {
         while (p >= z->first[level + 1]) level++;
         status = append_grain(&sorted, p, level);
     }
@@ -216,8 +214,7 @@ static unsigned place(const struct dem_sizes *z, uint32_t a, uint32_t b)
 static rp_status name_part(dem_sim *sim, dem_part *part)
 {
     const struct dem_sizes *z = sim->list.sizes;
-    const size_t end = dem_share_end(part, sim->pairs.n, 1);
-    for (size_t k = dem_share_start(part, sim->pairs.n, 1); k < end; k++) {
+    for (size_t k = part->from; k < part->to; k++) {
         const uint32_t a = z->grain[sim->pairs.i[k]], b = z->grain[sim->pairs.j[k]];
         const unsigned at = place(z, a, b);
         const bool turned = (at == 0) | ((at == 1) & (b < a));
@@ -230,7 +227,7 @@ static rp_status name_part(dem_sim *sim, dem_part *part)
 /* Sort the pairs of the part's share of the grains; their keys are together already, up to held_slot. */
 static rp_status order_part(dem_sim *sim, dem_part *part)
 {
-    const size_t from = dem_share_start(part, sim->grains.n, 1), end = dem_share_end(part, sim->grains.n, 1);
+    const size_t from = part->from, end = part->to;
     uint64_t *const key = sim->list.sizes->key;
     const uint32_t *until = sim->grains.held_slot;
     for (size_t i = from, k = i > 0 ? until[i - 1] : 0; i < end; i++)
@@ -251,10 +248,8 @@ static rp_status order_pairs(dem_sim *sim)
 {
     struct dem_sizes *z = sim->list.sizes;
     uint32_t *const start = sim->grains.held_slot, n = 0;
-    RP_TRY(dem_threads_do(sim, name_part));
-    if (sim->pairs.n > z->key_capacity &&
-        !dem_grow(&z->key, sizeof *z->key, z->key_capacity = 9 * sim->pairs.n / 8))
-        return no_memory();
+    RP_TRY(dem_threads_do(sim, name_part, sim->pairs.n, 1));
+    RP_TRY(dem_room("neighbour list", &z->key, sizeof *z->key, sim->pairs.n, &z->key_capacity));
     memset(start, 0, sim->grains.n * sizeof *start);
     for (size_t k = 0; k < sim->pairs.n; k++) start[sim->pairs.i[k]]++;
     for (size_t i = 0; i < sim->grains.n; i++) {
@@ -266,7 +261,7 @@ static rp_status order_pairs(dem_sim *sim)
         const uint32_t i = sim->pairs.i[k], j = sim->pairs.j[k];
         z->key[start[i]++] = (uint64_t)place(z, i, j) << 32 | j;
     }
-    return dem_threads_do(sim, order_part);
+    return dem_threads_do(sim, order_part, sim->grains.n, 1);
 }
 
 rp_status dem_sizes_find_pairs(dem_sim *sim)
@@ -276,7 +271,7 @@ rp_status dem_sizes_find_pairs(dem_sim *sim)
     RP_TRY(reserve_grains(z, sim->grains.capacity));
     RP_TRY(choose_levels(z, sim));
     sort_grains(z, sim);
-    RP_TRY(dem_threads_do(sim, find_part));
+    RP_TRY(dem_threads_do(sim, find_part, sim->grains.n, 1));
     RP_TRY(dem_threads_gather(sim));
     return order_pairs(sim);
 }

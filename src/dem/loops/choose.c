@@ -4,8 +4,6 @@
 
 #include "dem/state/state.h"
 
-DEM_MANUAL_OF(DEM_KERNEL_LIST, dem_kernel_manual)
-
 static const dem_loops *const loops_of[DEM_KERNELS] = {
     [DEM_REFERENCE] = &dem_loops_reference,
     [DEM_BASELINE] = &dem_loops_1,
@@ -17,22 +15,13 @@ static const dem_loops *const loops_of[DEM_KERNELS] = {
 
 bool dem_kernel_runs(dem_kernel_choice kernel)
 {
-    switch (kernel) {
 #ifdef __x86_64__
-    case DEM_AVX512:
+    if (kernel == DEM_AVX512)
         return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
                __builtin_cpu_supports("avx512vl");
-    case DEM_AVX2: return __builtin_cpu_supports("avx2");
-#else
-    case DEM_AVX512:
-    case DEM_AVX2: return false;
+    if (kernel == DEM_AVX2) return __builtin_cpu_supports("avx2");
 #endif
-    case DEM_FAST:
-    case DEM_REFERENCE:
-    case DEM_BASELINE: return true;
-    case DEM_KERNELS: break;
-    }
-    return false;
+    return kernel == DEM_FAST || loops_of[kernel];
 }
 
 void dem_loops_choose(dem_sim *sim)

@@ -23,15 +23,23 @@ typedef plane plane_unaligned;
 #include <immintrin.h>
 typedef __m256d num, plane, lanes;
 typedef __m256d_u num_unaligned, plane_unaligned;
-#define NUM_INDEX         ((__m256i){0, 1, 2, 3})
-#define NUM_PD(operation) _mm256_##operation##_pd
+#define NUM_INDEX               ((__m256i){0, 1, 2, 3})
+#define NUM_PD(operation)       _mm256_##operation##_pd
+#define NUM_COMPARE(a, b, how)  _mm256_cmp_pd(a, b, how)
+#define NUM_CHOOSE(l, yes, no)  _mm256_blendv_pd(no, yes, l)
+#define NUM_GATHER(from, index) _mm256_i32gather_pd(from, (__m128i)(index), 8)
+#define LANES_BITS(l)           (unsigned)_mm256_movemask_pd(l)
 #else /* 8 */
 #include <immintrin.h>
 typedef __m512d num, plane;
 typedef __m512d_u num_unaligned, plane_unaligned;
 typedef __mmask8 lanes;
-#define NUM_INDEX         ((__m512i){0, 1, 2, 3, 4, 5, 6, 7})
-#define NUM_PD(operation) _mm512_##operation##_pd
+#define NUM_INDEX               ((__m512i){0, 1, 2, 3, 4, 5, 6, 7})
+#define NUM_PD(operation)       _mm512_##operation##_pd
+#define NUM_COMPARE(a, b, how)  _mm512_cmp_pd_mask(a, b, how)
+#define NUM_CHOOSE(l, yes, no)  _mm512_mask_blend_pd(l, no, yes)
+#define NUM_GATHER(from, index) _mm512_i32gather_pd((__m256i)(index), from, 8)
+#define LANES_BITS(l)           l
 #endif
 
 static inline num num_load(const double *from)
@@ -229,27 +237,33 @@ static inline void store_vectors(dem_vec to[WIDTH], num x, num y)
     num_store((double *)(to + WIDTH / 2), num_shuffle(x, y, low + WIDTH / 2));
 }
 
-#if WIDTH == 8
 static inline lanes num_less(num a, num b)
 {
-    return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ);
+    return NUM_COMPARE(a, b, _CMP_LT_OQ);
 }
 
 static inline lanes num_at_most(num a, num b)
 {
-    return _mm512_cmp_pd_mask(a, b, _CMP_LE_OQ);
+    return NUM_COMPARE(a, b, _CMP_LE_OQ);
 }
 
 static inline unsigned lanes_bits(lanes l)
 {
-    return l;
+    return LANES_BITS(l);
 }
 
 static inline num num_choose(lanes l, num yes, num no)
 {
-    return _mm512_mask_blend_pd(l, no, yes);
+    return NUM_CHOOSE(l, yes, no);
 }
 
+static inline num num_gather(const double *from, const uint32_t *index, int stride)
+{
+    typedef int indices __attribute__((vector_size(4 * WIDTH), aligned(4), may_alias));
+    return NUM_GATHER(from, *(const indices *)index * stride);
+}
+
+#if WIDTH == 8
 /* a, or what has its sign and the magnitude `most` where that is less; which these are. Of NaN some become
  * `most`. */
 static inline num num_limit(num a, num most, lanes *less)
@@ -262,12 +276,6 @@ static inline num num_limit(num a, num most, lanes *less)
 static inline unsigned index_equals(const uint32_t *index, uint32_t one)
 {
     return _mm256_cmpeq_epi32_mask(_mm256_loadu_si256((const __m256i *)index), _mm256_set1_epi32((int)one));
-}
-
-static inline num num_gather(const double *from, const uint32_t *index, int stride)
-{
-    __m256i at = _mm256_mullo_epi32(_mm256_loadu_si256((const __m256i *)index), _mm256_set1_epi32(stride));
-    return _mm512_i32gather_pd(at, from, 8);
 }
 
 static inline plane plane_of(dem_vec a)
@@ -293,26 +301,6 @@ static inline num num_load_record(const dem_motion *grain, const uint32_t *i)
 }
 
 #else
-static inline lanes num_less(num a, num b)
-{
-    return _mm256_cmp_pd(a, b, _CMP_LT_OQ);
-}
-
-static inline lanes num_at_most(num a, num b)
-{
-    return _mm256_cmp_pd(a, b, _CMP_LE_OQ);
-}
-
-static inline unsigned lanes_bits(lanes l)
-{
-    return (unsigned)_mm256_movemask_pd(l);
-}
-
-static inline num num_choose(lanes l, num yes, num no)
-{
-    return _mm256_blendv_pd(no, yes, l);
-}
-
 static inline num num_limit(num a, num most, lanes *less)
 {
     const num mask = _mm256_set1_pd(-0.0);
@@ -324,12 +312,6 @@ static inline unsigned index_equals(const uint32_t *index, uint32_t one)
 {
     const __m128i same = _mm_cmpeq_epi32(_mm_loadu_si128((const __m128i *)index), _mm_set1_epi32((int)one));
     return (unsigned)_mm_movemask_ps(_mm_castsi128_ps(same));
-}
-
-static inline num num_gather(const double *from, const uint32_t *index, int stride)
-{
-    __m128i at = _mm_mullo_epi32(_mm_loadu_si128((const __m128i *)index), _mm_set1_epi32(stride));
-    return _mm256_i32gather_pd(from, at, 8);
 }
 
 static inline plane plane_of(dem_vec a)

@@ -377,22 +377,19 @@ static void line(dem_sim *sim, size_t k, size_t end, double h)
 
 /* ---- Motion -------------------------------------------------------------------------------------------- */
 
-/* The forces on GRAINS grains, and their torques in *rest. */
-INLINE plane force_on(const dem_sim *sim, size_t i, plane *rest)
-{
-    plane force;
-    if (!sim->grains.force_torque) return plane_load(sim->grains.force + i);
-    plane_load_records(sim->grains.force_torque + i, &force, rest);
-    return force;
-}
-
-INLINE void clear_force(const dem_sim *sim, size_t i)
+/* The forces on GRAINS grains, and their torques in *rest; they become 0 where the goal says so. */
+INLINE plane take_force(const dem_sim *sim, size_t i, bool clears, plane *rest)
 {
     const plane zero = {0};
-    if (sim->grains.force_torque)
-        plane_store_records(sim->grains.force_torque + i, zero, zero);
-    else
-        plane_store(sim->grains.force + i, zero);
+    plane force;
+    if (!sim->grains.force_torque) {
+        force = plane_load(sim->grains.force + i);
+        if (clears) plane_store(sim->grains.force + i, zero);
+    } else {
+        plane_load_records(sim->grains.force_torque + i, &force, rest);
+        if (clears) plane_store_records(sim->grains.force_torque + i, zero, zero);
+    }
+    return force;
 }
 
 /* Where a step takes grains, and whether forces become 0 then; WIDTH of them. */
@@ -412,8 +409,7 @@ INLINE block leap(const dem_sim *sim, const dem_equation *e, size_t i, const goa
     block b;
     plane rest[PLANES] = {{0}};
     for (size_t p = 0, at = i; p < PLANES; p++, at += GRAINS) {
-        const plane force = force_on(sim, at, &rest[p]);
-        if (to->clears) clear_force(sim, at);
+        const plane force = take_force(sim, at, to->clears, &rest[p]);
         plane_load_records(g->motion + at, &b.x[p], &b.v[p]);
         dem_leap(e, force, num_load_each(g->inverse_mass + at), &b.x[p], &b.v[p]);
         plane_store_records(to->motion + at, b.x[p], b.v[p]);

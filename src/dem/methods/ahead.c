@@ -1,11 +1,10 @@
-/* Grains that run ahead; see ahead.h. */
-#include "dem/methods/ahead.h"
+/* Grains that run ahead; see methods.h. */
+#include "dem/methods/methods.h"
 
 #include <math.h>
 
 #include "dem/forces/forces.h"
-#include "dem/methods/step.h"
-#include "dem/threads/parts.h"
+#include "dem/threads/threads.h"
 
 /* Has a grain of a group moved beyond its margin, and how far may they go until one can? A displacement d
  * leaves m - d >= (m^2 - d^2) / (2 m) of a margin m. */

@@ -8,7 +8,7 @@
 
 #include "core/elementary.h"
 #include "dem/forces/forces.h"
-#include "dem/methods/step.h"
+#include "dem/methods/methods.h"
 #include "dem/state/motion.h"
 
 static const double correct_x = 3.0 / 16.0, correct_v = 251.0 / 360.0;
@@ -110,8 +110,6 @@ static double step_limit(const dem_definition *def, dem_rates rates, dem_load lo
 
 const dem_scheme dem_scheme_gear5 = {
     .name = "gear5",
-    .manual =
-        "Gear's predictor-corrector of fifth order (Allen & Tildesley 1987, appendix E), without rotation",
     .order = {4, 2}, /* until a third derivative that starts at 0 is wrong */
     .excess = true,
     .derivatives = true,

@@ -2,12 +2,12 @@
 
 #include <math.h>
 
-#include "dem/observe/ledger.h"
-#include "dem/methods/step.h"
+#include "dem/observe/observe.h"
+#include "dem/methods/methods.h"
 
 static void set(dem_sim *sim, const double g[2])
 {
-    sim->gravity = (dem_vec){g[0], g[1]};
+    sim->gravity = dem_vec_of(g);
     sim->gravity_norm = sqrt(dem_dot(sim->gravity, sim->gravity));
 }
 

@@ -1,10 +1,10 @@
-/* Hard collisions of a run; see hard.h. */
-#include "dem/methods/hard.h"
+/* Hard collisions of a run; see methods.h. */
+#include "dem/methods/methods.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "dem/observe/ledger.h"
+#include "dem/observe/observe.h"
 #include "dem/forces/forces.h"
 #include "dem/list/list.h"
 #include "dem/state/motion.h"
@@ -211,7 +211,7 @@ rp_status dem_hard_apply(dem_sim *sim)
 }
 
 /* Margins of grains without a collision were checked before. */
-rp_status dem_hard_move(dem_sim *sim, unsigned *left)
+void dem_hard_move(dem_sim *sim, unsigned *left)
 {
     dem_motion *const grain = sim->grains.motion;
     double *const omega = sim->grains.omega, *const angle = sim->grains.angle;
@@ -232,5 +232,4 @@ rp_status dem_hard_move(dem_sim *sim, unsigned *left)
     const dem_forces forces = dem_forces_of(&sim->grains);
     memset(forces.at, 0, sim->grains.n * forces.size);
     sim->count.grain_steps += (double)sim->grains.n;
-    return RP_OK;
 }

@@ -23,10 +23,10 @@
 #include <string.h>
 
 #include "core/sparse.h"
-#include "dem/observe/ledger.h"
+#include "dem/observe/observe.h"
 #include "dem/forces/forces.h"
 #include "dem/list/list.h"
-#include "dem/methods/step.h"
+#include "dem/methods/methods.h"
 #include "dem/state/motion.h"
 
 /* Force on a grain, of a pair on its first, and minus its derivative by the grain's displacement. */
@@ -49,8 +49,6 @@ typedef struct {
     rp_stiffness *matrix;
     size_t *first, *of; /* contacts of each grain: of[first[i]] to of[first[i + 1] - 1] */
 } workspace;
-
-DEM_MANUAL_OF(DEM_SOLVERS, dem_solver_manual)
 
 static inline workspace *work(const dem_sim *sim)
 {
@@ -181,6 +179,8 @@ static inline contact contact_of(const dem_sim *sim, size_t k, dem_parts *p)
         along = at_wall.normal;
         l.before = at_wall.overlap;
         l.after = l.before - dem_dot(u, along);
+        l.c = &sim->walls.wall[slot.wall].material, l.mu = sim->walls.mu[slot.wall];
+        l.m_eff = sim->grains.mass[ends.i], r_eff = sim->grains.radius[ends.i];
     } else {
         const dem_vec from = sim->grains.motion[ends.i].x - sim->grains.motion[ends.j].x;
         u -= sim->grains.displacement[ends.j];
@@ -191,16 +191,10 @@ static inline contact contact_of(const dem_sim *sim, size_t k, dem_parts *p)
         l.before = sim->pairs.radii[k] - r;
         /* the change of the distance keeps the overlap's last digits */
         l.after = l.before - dem_dot(u, along) / both;
+        l.m_eff = sim->pairs.m_eff[k], r_eff = sim->pairs.r_eff[k];
     }
     if (l.before <= 0.0 && l.after <= 0.0) return f;
-    if (ends.slot) {
-        l.c = &sim->walls.wall[ends.slot->wall].material;
-        l.mu = sim->walls.mu[ends.slot->wall];
-        l.m_eff = sim->grains.mass[ends.i], r_eff = sim->grains.radius[ends.i];
-    } else {
-        l.m_eff = sim->pairs.m_eff[k], r_eff = sim->pairs.r_eff[k];
-        length = sqrt(dem_dot(along, along));
-    }
+    if (!ends.slot) length = sqrt(dem_dot(along, along));
     double slope;
     l.k_n = dem_normal_descriptors[sim->def.normal].scale(l.c->k_n, r_eff);
     l.normal = normal_force(sim, &l, &slope);
@@ -345,14 +339,14 @@ static void assemble(dem_sim *sim)
 static rp_status newton_step(dem_sim *sim, dem_vec *step, double *size, double *far)
 {
     memcpy(step, sim->grains.residual, sim->grains.n * sizeof *step);
-    rp_status status = rp_stiffness_solve(work(sim)->matrix, (double *)step, (double *)step);
+    RP_TRY(rp_stiffness_solve(work(sim)->matrix, (double *)step, (double *)step));
     *size = *far = 0.0;
-    for (size_t i = 0; i < sim->grains.n && !status; i++) {
+    for (size_t i = 0; i < sim->grains.n; i++) {
         const double square = dem_dot(step[i], step[i]);
         *size += square;
         *far = fmax(*far, sqrt(square));
     }
-    return status;
+    return RP_OK;
 }
 
 /* Take a part of the step. */
@@ -370,20 +364,20 @@ static lack go(dem_sim *sim, double part)
 static rp_status improve(dem_sim *sim, lack *l)
 {
     double before, after, far, unused, gone = 0.0;
-    rp_status status = newton_step(sim, sim->grains.newton_step, &before, &far);
+    RP_TRY(newton_step(sim, sim->grains.newton_step, &before, &far));
     const double most = fmin(1.0, 0.5 * sim->list.skin / far);
-    for (double part = most; part > 0.05 * most && !status; part *= 0.5) {
+    for (double part = most; part > 0.05 * most; part *= 0.5) {
         *l = go(sim, part - gone);
         gone = part;
         if (l->largest <= sim->def.implicit.tolerance) {
-            status = newton_step(sim, sim->grains.newton_step, &after, &unused);
+            RP_TRY(newton_step(sim, sim->grains.newton_step, &after, &unused));
             go(sim, 1.0);
             break;
         }
-        status = newton_step(sim, sim->grains.further_step, &after, &unused);
+        RP_TRY(newton_step(sim, sim->grains.further_step, &after, &unused));
         if (after < before) break;
     }
-    return status;
+    return RP_OK;
 }
 
 /* A round of Newton's method, the number k. */
@@ -391,9 +385,8 @@ static rp_status newton_round(dem_sim *sim, lack *l, long k)
 {
     rp_pivots pivots;
     assemble(sim);
-    rp_status status = rp_stiffness_factorise(work(sim)->matrix, &pivots);
-    if (!status && pivots.smallest == 0.0) return not_solved(sim, l, k);
-    return status ? status : improve(sim, l);
+    RP_TRY(rp_stiffness_factorise(work(sim)->matrix, &pivots));
+    return pivots.smallest == 0.0 ? not_solved(sim, l, k) : improve(sim, l);
 }
 
 /* ---- Sweeps -------------------------------------------------------------------------------------------- */
@@ -470,7 +463,6 @@ static rp_status solve(dem_sim *sim)
     const dem_equation e = dem_equation_of(sim);
     const double dt = sim->def.dt;
     RP_TRY(prepare(sim));
-    rp_status status = RP_OK;
     for (size_t i = 0; i < sim->grains.n; i++) {
         const dem_vec v = sim->grains.motion[i].v;
         sim->grains.displacement[i] = dem_is_fixed(sim, i)
@@ -478,15 +470,15 @@ static rp_status solve(dem_sim *sim)
                                           : dt * v + 0.5 * dt * dt * dem_free_acceleration(&e, v);
     }
     lack l = evaluate(sim);
-    for (long k = 0; !status && !(l.largest <= how->tolerance); k++) {
+    for (long k = 0; !(l.largest <= how->tolerance); k++) {
         if (k == how->max_iterations || !isfinite(l.largest)) return not_solved(sim, &l, k);
         switch (how->solver) {
-        case DEM_SOLVER_DIRECT: status = newton_round(sim, &l, k); break;
+        case DEM_SOLVER_DIRECT: RP_TRY(newton_round(sim, &l, k)); break;
         case DEM_SOLVER_SOR: l = sweep(sim); break;
         }
         sim->count.iterations++;
     }
-    return status;
+    return RP_OK;
 }
 
 /* A grain that the step takes farther than half the skin from its listed position, or DEM_NOBODY. */
@@ -522,25 +514,23 @@ static rp_status step(dem_sim *sim, bool last)
 {
     (void)last;
     unsigned left = 0;
-    rp_status status = solve(sim);
-    if (!status && beyond_list(sim) != DEM_NOBODY) {
-        status = dem_neighbours_rebuild(sim);
-        if (!status) status = solve(sim);
-        const size_t i = status ? DEM_NOBODY : beyond_list(sim);
+    RP_TRY(solve(sim));
+    if (beyond_list(sim) != DEM_NOBODY) {
+        RP_TRY(dem_neighbours_rebuild(sim));
+        RP_TRY(solve(sim));
+        const size_t i = beyond_list(sim);
         if (i != DEM_NOBODY)
             return dem_stop(sim, DEM_FAULT_TOO_FAST, i, "moves %g in one step, half the skin is %g",
                             sqrt(dem_dot(sim->grains.displacement[i], sim->grains.displacement[i])),
                             0.5 * sim->list.skin);
     }
-    if (!status) status = move_grains(sim, &left);
-    if (!status) status = dem_step_lists(sim, left);
-    return status ? status : dem_step_forces(sim);
+    RP_TRY(move_grains(sim, &left));
+    RP_TRY(dem_step_lists(sim, left));
+    return dem_step_forces(sim);
 }
 
 const dem_scheme dem_scheme_implicit = {
     .name = "implicit",
-    .manual = "implicit midpoint, which conserves energy at any dt (Liffman, Chan & Hughes 1992, eq (24)), "
-              "without rotation and shear springs; walls are whole lines that stand",
     .order = {2, 2},
     .even_margins = true,
     .solves = true,

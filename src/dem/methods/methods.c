@@ -2,12 +2,7 @@
 #include "dem/state/method.h"
 
 const dem_scheme *const dem_schemes[DEM_INTEGRATORS] = {
-#define X(id, word, scheme) [id] = &scheme,
+#define X(id, word, manual, scheme) [id] = &scheme,
     DEM_INTEGRATOR_LIST(X)
 #undef X
 };
-
-const char *dem_integrator_manual(int integrator)
-{
-    return dem_schemes[integrator]->manual;
-}

@@ -1,12 +1,12 @@
-/* Parts of a step; see step.h. */
-#include "dem/methods/step.h"
+/* Parts of a step; see methods.h. */
+#include "dem/methods/methods.h"
 
 #include <math.h>
 
 #include "core/clock.h"
 #include "dem/forces/forces.h"
 #include "dem/list/list.h"
-#include "dem/observe/ledger.h"
+#include "dem/observe/observe.h"
 
 rp_status dem_check_overlaps(dem_sim *sim, dem_stretch pairs, dem_stretch grains)
 {
@@ -58,13 +58,11 @@ rp_status dem_step_lists(dem_sim *sim, unsigned left)
 rp_status dem_step_forces(dem_sim *sim)
 {
     const double h = sim->def.dt;
-    rp_status status;
     sim->loops.pairs(sim, 0, sim->pairs.n, h);
     if (sim->times) lap(sim, &sim->times->contacts);
     dem_walls_apply(sim, 0, sim->grains.n, h);
-    if (sim->too_deep && (status = dem_check_overlaps(sim, (dem_stretch){0, sim->pairs.n},
-                                                      (dem_stretch){0, sim->grains.n})) != RP_OK)
-        return status;
+    if (sim->too_deep)
+        RP_TRY(dem_check_overlaps(sim, (dem_stretch){0, sim->pairs.n}, (dem_stretch){0, sim->grains.n}));
     if (sim->times) lap(sim, &sim->times->walls);
     return sim->ledger ? dem_ledger_forces(sim, h) : RP_OK;
 }

@@ -4,9 +4,7 @@
 #include <math.h>
 
 #include "dem/forces/forces.h"
-#include "dem/methods/ahead.h"
-#include "dem/methods/hard.h"
-#include "dem/methods/step.h"
+#include "dem/methods/methods.h"
 #include "dem/state/motion.h"
 
 static rp_status step(dem_sim *sim, bool last)
@@ -14,7 +12,10 @@ static rp_status step(dem_sim *sim, bool last)
     unsigned left = 0;
     if (sim->def.hard.on) RP_TRY(dem_hard_apply(sim));
     dem_walls_move(sim);
-    RP_TRY(sim->def.hard.on ? dem_hard_move(sim, &left) : dem_ahead_move(sim, &left));
+    if (sim->def.hard.on)
+        dem_hard_move(sim, &left);
+    else
+        RP_TRY(dem_ahead_move(sim, &left));
     RP_TRY(dem_step_lists(sim, left));
     return dem_ahead_forces(sim, last);
 }
@@ -57,7 +58,6 @@ static double step_limit(const dem_definition *def, dem_rates rates, dem_load lo
 
 const dem_scheme dem_scheme_verlet = {
     .name = "verlet",
-    .manual = "velocity Verlet in its leapfrog form (Swope, Andersen, Berens & Wilson 1982)",
     .order = {2, 1}, /* it damps by the velocity of half a step before */
     .rotation = true,
     .hard = true,

@@ -9,7 +9,7 @@
  * An integrator with one force throughout a step gives the parts of that force itself.
  *
  * A truncated spring slides by the law's increment of displacement less the change of the spring. */
-#include "dem/observe/ledger.h"
+#include "dem/observe/observe.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -17,7 +17,6 @@
 
 #include "dem/forces/forces.h"
 #include "dem/law/law.h"
-#include "dem/observe/observe.h"
 
 /* A grain, by id, at the end of the last step, with its displacement and turn in the step. `hard` is the
  * energy gained in the step's hard collisions; mass 0 means fixed. `zero` stands where padding would
@@ -59,26 +58,18 @@ static bool one_force(const dem_sim *sim)
     return sim->scheme->parts != NULL;
 }
 
-static rp_status no_memory(void)
-{
-    return rp_fail(RP_NO_MEMORY, "energy ledger: out of memory");
-}
-
 static rp_status reserve_grains(dem_sim *sim, size_t last_id)
 {
     struct dem_ledger_state *b = sim->ledger;
-    if (last_id < b->capacity) return RP_OK;
-    const size_t capacity = 2 * last_id + 2;
-    if (!dem_grow(&b->grain, sizeof *b->grain, capacity)) return no_memory();
-    memset(b->grain + b->capacity, 0, (capacity - b->capacity) * sizeof *b->grain);
-    b->capacity = capacity;
+    const size_t before = b->capacity;
+    RP_TRY(dem_room("energy ledger", &b->grain, sizeof *b->grain, last_id + 1, &b->capacity));
+    memset(b->grain + before, 0, (b->capacity - before) * sizeof *b->grain);
     return RP_OK;
 }
 
 static rp_status reserve(contact_list *list, size_t n)
 {
-    if (n <= list->capacity) return RP_OK;
-    return dem_grow(&list->at, sizeof *list->at, list->capacity = 2 * n) ? RP_OK : no_memory();
+    return dem_room("energy ledger", &list->at, sizeof *list->at, n, &list->capacity);
 }
 
 /* Contact number k without forces. With `by_id`, grain a of a pair has the smaller id: a contact keeps its
@@ -270,18 +261,13 @@ static void half_works(const dem_sim *sim, const ledger_contact *c, bool first, 
                                   c->r_eff * (p->roll_spring + p->roll_dashpot) * turn);
 }
 
-static bool wall_gone(const dem_sim *sim, const ledger_contact *c)
-{
-    return dem_wall_opens(sim, wall_of(c)) && isinf(sim->walls.wall[wall_of(c)].open_speed);
-}
-
 /* Add the energies of a contact in the step to the sums. */
 static void add_step(dem_sim *sim, const ledger_contact *c, dem_ledger step)
 {
     struct dem_ledger_state *b = sim->ledger;
     if (!b->grain[c->a].present || (c->b && !b->grain[c->b].present))
         step = (dem_ledger){.taken_out = -net(&step)};
-    else if (c->b == 0 && wall_gone(sim, c))
+    else if (c->b == 0 && dem_wall_is_gone(sim, wall_of(c)))
         step = (dem_ledger){.wall_work = net(&step)};
     else if (c->b == 0)
         step.at_walls = step.normal_damping + step.shear_damping + step.sliding + step.rolling + step.wells;
@@ -301,15 +287,6 @@ static void settle_contact(dem_sim *sim, const ledger_contact *was, const ledger
     step.wells -= is->energy.well - was->energy.well;
     step.integration += pull + roll_pull + is->energy.normal - was->energy.normal;
     add_step(sim, was->a ? was : is, step);
-}
-
-/* Energies of a contact with one force throughout the step. */
-static void settle_between(dem_sim *sim, const ledger_contact *c)
-{
-    dem_ledger step = {0};
-    half_works(sim, c, true, &step);
-    half_works(sim, c, false, &step);
-    add_step(sim, c, step);
 }
 
 /* The contacts of now are those of the next step's start. */
@@ -340,7 +317,12 @@ void dem_ledger_step(dem_sim *sim)
         i += !begun;
         j += !ended;
     }
-    for (size_t k = 0; k < between->n; k++) settle_between(sim, &between->at[k]);
+    for (size_t k = 0; k < between->n; k++) { /* those with one force throughout the step */
+        dem_ledger step = {0};
+        half_works(sim, &between->at[k], true, &step);
+        half_works(sim, &between->at[k], false, &step);
+        add_step(sim, &between->at[k], step);
+    }
     turn_over(sim);
 }
 
@@ -397,16 +379,10 @@ rp_status dem_ledger_add(dem_sim *sim, const dem_grain *p)
     return RP_OK;
 }
 
-static double energy_now(const dem_sim *sim)
-{
-    dem_energy e;
-    dem_energies(sim, &e);
-    return e.kinetic + e.rotational + e.elastic + e.gravity;
-}
-
 rp_status dem_ledger_alloc(dem_sim *sim)
 {
-    if (!(sim->ledger = calloc(1, sizeof *sim->ledger))) return no_memory();
+    if (!(sim->ledger = calloc(1, sizeof *sim->ledger)))
+        return rp_fail(RP_NO_MEMORY, "energy ledger: out of memory");
     return reserve_grains(sim, sim->grains.last_id);
 }
 
@@ -417,7 +393,7 @@ void dem_ledger_start(dem_sim *sim)
     for (size_t i = 0; i < sim->grains.n; i++) b->grain[sim->grains.id[i]] = read_grain(sim, i);
     read_elastic(sim);
     turn_over(sim);
-    b->sum.start = energy_now(sim);
+    b->sum.start = dem_energy_now(sim);
 }
 
 rp_status dem_ledger_go_on(dem_sim *sim, const dem_ledger *sum, double before, const uint32_t ids[])
@@ -447,21 +423,6 @@ void dem_ledger_halt(dem_sim *sim, double before)
     sum.put_in += b->sum.start - before;
     sum.turnover += fabs(b->sum.start - before);
     b->sum = sum;
-}
-
-rp_status dem_ledger_clone(dem_sim *copy, const dem_sim *sim)
-{
-    const struct dem_ledger_state *from = sim->ledger;
-    struct dem_ledger_state *b = copy->ledger = malloc(sizeof *b);
-    if (!b) return no_memory();
-    *b = *from;
-    b->old = b->now = b->between = (contact_list){0};
-    b->grain = malloc(b->capacity * sizeof *b->grain);
-    if (!b->grain || reserve(&b->old, from->old.n + 1)) return no_memory();
-    memcpy(b->grain, from->grain, b->capacity * sizeof *b->grain);
-    b->old.n = from->old.n;
-    if (b->old.n) memcpy(b->old.at, from->old.at, b->old.n * sizeof *b->old.at);
-    return RP_OK;
 }
 
 /* Grains are there or not, and every contact is one of grains and walls that there are. */
@@ -505,6 +466,6 @@ bool dem_ledger_read(const dem_sim *sim, dem_ledger *ledger)
 {
     if (!sim->ledger) return false;
     *ledger = sim->ledger->sum;
-    ledger->residual = energy_now(sim) - (ledger->start + net(ledger));
+    ledger->residual = dem_energy_now(sim) - (ledger->start + net(ledger));
     return true;
 }

@@ -144,8 +144,14 @@ void dem_energies(const dem_sim *sim, dem_energy *energy)
     }
 }
 
-rp_status dem_rest_in(const dem_sim *sim, bool (*in)(const void *region, uint32_t id, double x, double y),
-                      const void *region, dem_rest *rest)
+double dem_energy_now(const dem_sim *sim)
+{
+    dem_energy e;
+    dem_energies(sim, &e);
+    return e.kinetic + e.rotational + e.elastic + e.gravity;
+}
+
+rp_status dem_rest_in(const dem_sim *sim, dem_in_region *in, const void *region, dem_rest *rest)
 {
     *rest = (dem_rest){0};
     int *contacts = count_contacts(sim);

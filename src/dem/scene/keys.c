@@ -32,7 +32,7 @@ static const rp_param top_schema[] = {
     {"turn_from_step", "", RP_INT, AT(dem_scene_file, scene.def.turn_from_step), "0", "[0, 2147483647]",
      "first step at which gravity or the box turns"},
     {"kernel", "", RP_CHOICE, AT(dem_scene_file, scene.def.kernel), "fast", DEM_WORDS(DEM_KERNEL_LIST),
-     "instances of the loops, with the same bits", .manual = dem_kernel_manual},
+     "instances of the loops, with the same bits", .manual = DEM_MANUALS(DEM_KERNEL_LIST)},
     {"ledger", "", RP_BOOL, AT(dem_scene_file, scene.def.ledger), "false", "",
      "whether to keep the energy ledger, which `repose run -o` writes with the energies; slower, the same "
      "bits"},
@@ -65,7 +65,7 @@ static const rp_param ground_schema[] = {
     {"a", "cm", RP_REAL, AT(dem_ground, a), NULL, "(0, inf)",
      "half-width of a well, beyond which it is broken"},
     {"set", "", RP_CHOICE, AT(dem_ground, set), "rest", DEM_WORDS(DEM_WELL_SETS),
-     "when a grain gets its well", .manual = dem_well_manual},
+     "when a grain gets its well", .manual = DEM_MANUALS(DEM_WELL_SETS)},
     {0}};
 
 static const rp_param hard_schema[] = {
@@ -76,7 +76,7 @@ static const rp_param hard_schema[] = {
 
 static const rp_param implicit_schema[] = {
     {"solver", "", RP_CHOICE, AT(dem_implicit_solver, solver), "direct", DEM_WORDS(DEM_SOLVERS),
-     "how a step is solved", .manual = dem_solver_manual},
+     "how a step is solved", .manual = DEM_MANUALS(DEM_SOLVERS)},
     {"relaxation", "", RP_REAL, AT(dem_implicit_solver, relaxation), "0.7", "(0, 2)", "factor of the sweeps"},
     {"tolerance", "", RP_REAL, AT(dem_implicit_solver, tolerance), "1e-15", "[1e-15, 1e-3]",
      "convergence: largest Newton correction of a grain, over its radius"},
@@ -134,9 +134,9 @@ static const rp_param particle_schema[] = {
 #define RADII_ROWS \
     DEM_RADIUS_PARAMS(OF_FILL) \
     {"radius_law", "", RP_CHOICE, AT(dem_fill, law), "gauss", DEM_WORDS(DEM_RADIUS_LAWS), "law of the radii", \
-     .manual = dem_radius_law_manual}, \
+     .manual = DEM_MANUALS(DEM_RADIUS_LAWS)}, \
     {"by", "", RP_CHOICE, AT(dem_fill, by), "number", DEM_WORDS(DEM_SHARES), "what the law's shares are of", \
-     .manual = dem_share_manual},
+     .manual = DEM_MANUALS(DEM_SHARES)},
 /* clang-format on */
 
 static const rp_param output_schema[] = {INTERVAL(states, "states") INTERVAL(energy, "energies")
@@ -154,7 +154,7 @@ static const rp_param fill_schema[] = {
     {"seed", "", RP_INT, AT(dem_fill, seed), "1993", "[0, 2147483647]", "of the random streams"},
     {"run", "", RP_INT, AT(dem_fill, run), "0", "[0, 2147483647]", "number of the streams within the seed"},
     RADII_ROWS{"pattern", "", RP_CHOICE, AT(dem_fill, pattern), "random", DEM_WORDS(DEM_PATTERNS),
-               "of the places", .manual = dem_pattern_manual},
+               "of the places", .manual = DEM_MANUALS(DEM_PATTERNS)},
     {"density", "g/cm^3", RP_REAL, AT(dem_fill, density), "auto", "(0, inf) | auto",
      "of these grains; auto: the scene's"},
     {"fixed", "", RP_BOOL, AT(dem_fill, fixed), "false", "", "whether they never move"},

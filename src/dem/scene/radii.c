@@ -6,10 +6,6 @@
 #include "core/elementary.h"
 #include "core/random.h"
 
-DEM_MANUAL_OF(DEM_RADIUS_LAWS, dem_radius_law_manual)
-DEM_MANUAL_OF(DEM_SHARES, dem_share_manual)
-DEM_MANUAL_OF(DEM_PATTERNS, dem_pattern_manual)
-
 /* Mean and standard deviation of the logarithm, of a law of these. */
 static void logarithmic(const dem_fill *f, double *mean, double *width)
 {

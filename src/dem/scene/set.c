@@ -112,7 +112,7 @@ rp_status dem_text_give(dem_text *text, const char *name, const rp_value *value)
 
 #define NAMED_KEY(...) NAMED_KEY_OF(__VA_ARGS__)
 #define NAMED_KEY_OF(group, kind, type, name, key, unit, fallback, range, also, automatic, wall, ...)        \
-    {{#name, unit, type, 0, fallback, DEM_ALLOWED_##kind(range, also), __VA_ARGS__}, group key},
+    {{#name, unit, type, 0, fallback, range also, __VA_ARGS__}, group key},
 #define OF_TOP(...)        NAMED_KEY("", __VA_ARGS__)
 #define OF_NORMAL(...)     NAMED_KEY("normal.", __VA_ARGS__)
 #define OF_TANGENTIAL(...) NAMED_KEY("tangential.", __VA_ARGS__)

@@ -55,8 +55,7 @@ rp_status dem_wall_check(const dem_wall *w)
     return RP_OK;
 }
 
-/* How a wall may move in this scene. */
-static rp_status check_moving(const dem_definition *def, const dem_wall *wall)
+rp_status dem_motion_check(const dem_definition *def, const dem_wall *wall)
 {
     if (!dem_wall_moves(wall)) return RP_OK;
     if (def->box_turn_per_step != 0.0)
@@ -86,7 +85,7 @@ static rp_status check_walls(const dem_definition *def)
     for (size_t k = 0; k < def->n_walls; k++) {
         rp_status status = check_material(def, &walls[k].material);
         if (!status) status = dem_wall_check(&walls[k]);
-        if (!status) status = check_moving(def, &walls[k]);
+        if (!status) status = dem_motion_check(def, &walls[k]);
         RP_TRY(rp_prefix(status, "wall %zu: ", k + 1));
     }
     for (size_t k = 0; k < def->n_walls; k++)
@@ -112,9 +111,8 @@ static rp_status check_ground(const dem_definition *def)
     if (dem_has_spring(def->tangential))
         return rp_fail(RP_BAD_INPUT, "ground: the tangential law %s has static friction of its own",
                        dem_tangential_descriptors[def->tangential].name);
-    rp_status status = check_number("mu_static", g->mu_static, 0.0, "[0, inf)");
-    if (!status) status = check_number("a", g->a, DBL_MIN, "(0, inf)");
-    return rp_prefix(status, "ground: ");
+    RP_TRY(rp_prefix(check_number("mu_static", g->mu_static, 0.0, "[0, inf)"), "ground: "));
+    return rp_prefix(check_number("a", g->a, DBL_MIN, "(0, inf)"), "ground: ");
 }
 
 static rp_status check_hard(const dem_definition *def)
@@ -196,16 +194,19 @@ rp_status dem_laws_check(const dem_definition *def)
     return RP_OK;
 }
 
-/* As fast as a grain may be: see check_grain in list.c. */
+rp_status dem_way_check(double way, double r_min)
+{
+    if (!(way > r_min)) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "moves %g in one step, the smallest radius is %g", way, r_min);
+}
+
 static rp_status check_wall_speeds(const dem_definition *def)
 {
     double r_min = INFINITY;
     for (size_t i = 0; i < def->n_grains; i++) r_min = fmin(r_min, def->grains[i].r);
     for (size_t k = 0; k < def->n_walls; k++) {
-        const double travel = dem_wall_speed(def, &dem_walls_of(def)[k]) * def->dt;
-        if (travel > r_min)
-            return rp_fail(RP_BAD_INPUT, "wall %zu: moves %g in one step, the smallest radius is %g", k + 1,
-                           travel, r_min);
+        const double way = dem_wall_speed(def, &dem_walls_of(def)[k]) * def->dt;
+        RP_TRY(rp_prefix(dem_way_check(way, r_min), "wall %zu: ", k + 1));
     }
     return RP_OK;
 }
@@ -246,8 +247,8 @@ rp_status dem_material_check(const dem_definition *def, const dem_material *m)
 
 rp_status dem_physics_check(const dem_definition *def)
 {
-    rp_status status = dem_scheme_check(def);
-    return status ? status : dem_material_check(def, &def->material);
+    RP_TRY(dem_scheme_check(def));
+    return dem_material_check(def, &def->material);
 }
 
 rp_status dem_density_check(dem_shape shape, bool given)

@@ -4,11 +4,14 @@
 
 #include "dem/dem.h"
 
-/* All of it; all but the grains, and so without the largest time step; a wall's geometry; one grain; the
- * integrator alone: can it do all that the definition asks for? Errors: RP_BAD_INPUT. */
+/* All of it; all but the grains, and so without the largest time step; a wall by itself; its motion in this
+ * scene; the way of its fastest point in a step: as far as a grain may go, see check_grain in list.c; one
+ * grain; the integrator alone: can it do all that the definition asks for? Errors: RP_BAD_INPUT. */
 rp_status dem_definition_check(const dem_definition *def);
 rp_status dem_laws_check(const dem_definition *def);
 rp_status dem_wall_check(const dem_wall *wall);
+rp_status dem_motion_check(const dem_definition *def, const dem_wall *wall);
+rp_status dem_way_check(double way, double r_min);
 rp_status dem_grain_check(const dem_definition *def, const dem_grain *grain);
 rp_status dem_scheme_check(const dem_definition *def);
 

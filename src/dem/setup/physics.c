@@ -1,4 +1,5 @@
-/* The physical parameters, from what is given to a definition; see parameters.h. */
+/* The physical parameters, from what is given to a definition, see parameters.h; definitions that begin with
+ * their defaults. */
 #include "params/units.h"
 #include <math.h>
 #include <stdlib.h>
@@ -36,10 +37,9 @@ static void complete(const dem_definition *def, dem_material *m)
 void dem_physics_apply(const dem_physics *p, dem_definition *def)
 {
     dem_material *m = &def->material;
-#define SCENE_VALUE(kind, type, name, ...) DEM_IF_SCENE(kind, def->name = p->name;)
-    DEM_PHYSICS(SCENE_VALUE)
-#define MATERIAL_GIVEN(kind, type, name, ...) DEM_IF_MATERIAL(kind, m->name = p->name;)
-    DEM_PHYSICS(MATERIAL_GIVEN)
+#define GIVEN(kind, type, name, ...)                                                                         \
+    DEM_IF_SCENE(kind, def->name = p->name;) DEM_IF_MATERIAL(kind, m->name = p->name;)
+    DEM_PHYSICS(GIVEN)
     complete(def, m);
 }
 
@@ -47,10 +47,9 @@ dem_physics dem_physics_of(const dem_definition *def, double density)
 {
     dem_physics p = {.density = density};
     const dem_material *m = &def->material;
-#define SCENE_OF(kind, type, name, ...) DEM_IF_SCENE(kind, p.name = def->name;)
-    DEM_PHYSICS(SCENE_OF)
-#define MATERIAL_OF(kind, type, name, ...) DEM_IF_MATERIAL(kind, p.name = m->name;)
-    DEM_PHYSICS(MATERIAL_OF)
+#define TAKEN(kind, type, name, ...)                                                                         \
+    DEM_IF_SCENE(kind, p.name = def->name;) DEM_IF_MATERIAL(kind, p.name = m->name;)
+    DEM_PHYSICS(TAKEN)
     if (p.restitution == 0.0) p.restitution = -1.0;
     return p;
 }
@@ -89,10 +88,10 @@ rp_status dem_restitution_check(const dem_definition *def, const dem_material *m
 /* gamma_n of a contact of mass m_eff whose impacts have the restitution. */
 static rp_status find_damping(const dem_definition *def, double m_eff, dem_material *m)
 {
-    rp_status status = dem_restitution_check(def, m);
-    if (status || !(m->restitution > 0.0)) return status;
+    RP_TRY(dem_restitution_check(def, m));
+    if (!(m->restitution > 0.0)) return RP_OK;
     if (!(m->k_n > 0.0)) return rp_fail(RP_BAD_INPUT, "restitution = %g: needs k_n > 0", m->restitution);
-    status = dem_damping_of(
+    const rp_status status = dem_damping_of(
         &(dem_head_on){def->normal, def->tension, .k_n = m->k_n, .m_eff = m_eff, .v = def->restitution_speed},
         m->restitution, &m->gamma_n);
     m->restitution = -1.0;
@@ -140,4 +139,42 @@ rp_status dem_physics_resolve(dem_definition *def)
         *m = dem_wall_material(m, &def->material);
     }
     return RP_OK;
+}
+
+/* ---- Definitions ---- */
+
+dem_definition dem_definition_default(void)
+{
+    dem_definition def = {
+        .gravity = {0.0, -981.0},
+        .implicit = {.relaxation = 0.7, .tolerance = 1e-15, .max_iterations = 1000},
+        .restitution_speed = INFINITY,
+        .x_min = -INFINITY,
+        .x_max = INFINITY,
+        .y_min = -INFINITY,
+    };
+    dem_physics physics = dem_physics_default();
+    physics.tangential = DEM_SPRING;
+    physics.mu = 0.2;
+    dem_physics_apply(&physics, &def);
+    return def;
+}
+
+void dem_box_walls(dem_definition *def, double W, const dem_material *wall)
+{
+    def->n_walls = DEM_BOX_N;
+    for (int w = 0; w < DEM_BOX_N; w++)
+        def->walls[w] = (dem_wall){
+            .material = *wall, .extent = {-INFINITY, INFINITY}, .open_at_step = -1, .open_speed = INFINITY};
+    def->walls[DEM_BOX_FLOOR].direction[1] = 1.0;
+    def->walls[DEM_BOX_LEFT].direction[0] = 1.0;
+    def->walls[DEM_BOX_RIGHT].direction[0] = -1.0;
+    def->walls[DEM_BOX_RIGHT].point[0] = W;
+}
+
+bool dem_has_rolling(const dem_definition *def)
+{
+    bool rolling = def->material.mu_roll > 0.0;
+    for (size_t w = 0; w < def->n_walls; w++) rolling |= dem_walls_of(def)[w].material.mu_roll > 0.0;
+    return rolling;
 }

@@ -1,26 +1,25 @@
 /* The arrays of the grains; see grains.h. */
 #include "dem/state/state.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum { PADDING = 8 }; /* kernels read up to 7 entries beyond the last grain */
 
-rp_status dem_grains_alloc(const dem_sim *sim, size_t capacity, bool states, dem_grains *grains)
+rp_status dem_grains_reserve(const dem_sim *sim, size_t capacity, bool states, dem_grains *grains)
 {
     const dem_definition *def = &sim->def;
     const dem_scheme *scheme = sim->scheme;
     const size_t n = capacity + PADDING;
-    bool failed = !states && !(grains->slack = dem_array(n / DEM_GROUP + 1, sizeof *grains->slack));
-    grains->capacity = capacity;
+    bool good = states || dem_array_grow(&grains->slack, sizeof *grains->slack, 0, n / DEM_GROUP + 1);
 #define X(type, name, need, role)                                                                            \
-    grains->name = NULL;                                                                                     \
-    if ((need) && (role == DEM_STATE || !states)) {                                                          \
-        grains->name = dem_array(n, sizeof(type));                                                           \
-        failed |= !grains->name;                                                                             \
-    }
+    if ((need) && (role == DEM_STATE || !states))                                                            \
+        good = good && dem_array_grow(&grains->name, sizeof(type), grains->n, n);
     DEM_GRAIN_ARRAYS(X)
 #undef X
-    return failed ? rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", capacity) : RP_OK;
+    if (!good) return rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", capacity);
+    grains->capacity = capacity;
+    return RP_OK;
 }
 
 void dem_grains_free(dem_grains *grains)
@@ -29,18 +28,6 @@ void dem_grains_free(dem_grains *grains)
 #define X(type, name, need, role) free(grains->name);
     DEM_GRAIN_ARRAYS(X)
 #undef X
-}
-
-rp_status dem_grains_copy(const dem_sim *sim, size_t capacity, dem_grains *copy)
-{
-    const dem_grains *grains = &sim->grains;
-    *copy = *grains;
-    RP_TRY(dem_grains_alloc(sim, capacity, false, copy));
-#define X(type, name, need, role)                                                                            \
-    if (copy->name && role != DEM_OF_STEP) memcpy(copy->name, grains->name, grains->n * sizeof(type));
-    DEM_GRAIN_ARRAYS(X)
-#undef X
-    return RP_OK;
 }
 
 void dem_grains_put(const dem_grains *grains, const uint32_t *to, dem_grains *sorted, size_t from, size_t end)

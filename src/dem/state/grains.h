@@ -90,13 +90,11 @@ typedef struct {
 #undef X
 } dem_grains;
 
-/* Arrays that the definition and the integrator of `sim` need for `capacity` grains, all 0; `states` alone,
- * or all. Free with dem_grains_free, also after an error. Errors: RP_NO_MEMORY. */
-rp_status dem_grains_alloc(const dem_sim *sim, size_t capacity, bool states, dem_grains *grains);
+/* Arrays that the definition and the integrator of `sim` need for `capacity` grains, `states` alone, or all:
+ * 0, but for the n entries that old ones have. Free with dem_grains_free, also after an error, which leaves
+ * the capacity as it was. Errors: RP_NO_MEMORY. */
+rp_status dem_grains_reserve(const dem_sim *sim, size_t capacity, bool states, dem_grains *grains);
 void dem_grains_free(dem_grains *grains);
-
-/* A copy of the grains of `sim` with this capacity. Errors: RP_NO_MEMORY. */
-rp_status dem_grains_copy(const dem_sim *sim, size_t capacity, dem_grains *copy);
 
 /* Sort the states: put each grain i of from..end to place to[i] of `sorted`, or nowhere where that is
  * DEM_NOWHERE; then let the n states in `sorted` be those of the grains. */

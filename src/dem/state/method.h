@@ -26,7 +26,7 @@ typedef struct {
 } dem_parts;
 
 typedef struct dem_scheme {
-    const char *name, *manual;
+    const char *name;
     int order[2];      /* of the error where forces are smooth: without damping, with it */
     bool rotation;     /* can rotate grains */
     bool hard;         /* has hard collisions */
@@ -62,7 +62,7 @@ typedef struct dem_scheme {
     dem_parts (*parts)(const dem_sim *sim, size_t contact);
 } dem_scheme;
 
-#define X(id, word, scheme) extern const dem_scheme scheme;
+#define X(id, word, manual, scheme) extern const dem_scheme scheme;
 DEM_INTEGRATOR_LIST(X)
 #undef X
 extern const dem_scheme *const dem_schemes[DEM_INTEGRATORS];

@@ -1,14 +1,10 @@
 /* The arrays of the pairs; see pairs.h. */
 #include "dem/state/pairs.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "dem/state/grains.h"
-
-static rp_status no_memory(void)
-{
-    return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
-}
 
 rp_status dem_pairs_reserve(dem_pairs *pairs, size_t more)
 {
@@ -17,7 +13,7 @@ rp_status dem_pairs_reserve(dem_pairs *pairs, size_t more)
     const size_t n = pairs->n, capacity = pairs->capacity = 9 * (pairs->n + more) / 512 * 64 + 128;
 #define X(type, name, need, share, role)                                                                     \
     if ((need) && !dem_array_grow(&pairs->name, sizeof(type), (n + share - 1) / share, capacity / share))    \
-        return no_memory();
+        return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
     DEM_PAIR_ARRAYS(X)
 #undef X
     return RP_OK;
@@ -29,21 +25,6 @@ void dem_pairs_free(dem_pairs *pairs)
 #define X(type, name, need, share, role) free(pairs->name);
     DEM_PAIR_ARRAYS(X)
 #undef X
-}
-
-rp_status dem_pairs_copy(const dem_pairs *pairs, dem_pairs *copy)
-{
-    *copy = (dem_pairs){.rotation = pairs->rotation, .rolling = pairs->rolling, .chunk = pairs->chunk};
-    rp_status status = dem_pairs_reserve(copy, pairs->n + 1); /* so that the arrays exist */
-    if (status) return status;
-    copy->n = pairs->n;
-#define X(type, name, need, share, role)                                                                     \
-    if (copy->name && copy->n > 0)                                                                           \
-        memcpy(copy->name, pairs->name, (copy->n + share - 1) / share * sizeof(type));
-    DEM_PAIR_ARRAYS(X)
-#undef X
-    dem_pairs_pad(copy);
-    return RP_OK;
 }
 
 void dem_pairs_pad(dem_pairs *pairs)
@@ -110,9 +91,7 @@ rp_status dem_pairs_plan_chunks(dem_pairs *pairs, size_t n)
     const size_t chunks = (pairs->n + pairs->chunk - 1) / pairs->chunk;
     pairs->n_chunks = 0;
     if (!dem_pairs_are_many(pairs)) return RP_OK;
-    if (chunks > pairs->chunk_capacity &&
-        !dem_grow(&pairs->done, sizeof *pairs->done, pairs->chunk_capacity = 2 * chunks))
-        return no_memory();
+    RP_TRY(dem_room("neighbour list", &pairs->done, sizeof *pairs->done, chunks, &pairs->chunk_capacity));
     dem_pairs_find_done(pairs, (dem_stretch){0, pairs->n}, (dem_stretch){0, n}, pairs->done);
     pairs->n_chunks = chunks;
     return RP_OK;

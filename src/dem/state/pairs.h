@@ -47,9 +47,6 @@ typedef struct {
 rp_status dem_pairs_reserve(dem_pairs *pairs, size_t more);
 void dem_pairs_free(dem_pairs *pairs);
 
-/* A copy, without chunks. Errors: RP_NO_MEMORY; free it also then. */
-rp_status dem_pairs_copy(const dem_pairs *pairs, dem_pairs *copy);
-
 /* Fill the last of the groups that kernels may take at once with pairs that never touch. */
 void dem_pairs_pad(dem_pairs *pairs);
 

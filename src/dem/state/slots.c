@@ -15,26 +15,6 @@ rp_status dem_walls_alloc(dem_walls *w, size_t n)
     return good ? RP_OK : rp_fail(RP_NO_MEMORY, "%zu walls: out of memory", n);
 }
 
-rp_status dem_walls_copy(const dem_walls *walls, size_t n, dem_walls *copy)
-{
-    *copy = *walls;
-    dem_walls_forget(copy);
-    RP_TRY(dem_walls_alloc(copy, n));
-    if (walls->n_slots) memcpy(copy->slot, walls->slot, walls->n_slots * sizeof *copy->slot);
-#define X(type, name) memcpy(copy->name, walls->name, (n + 1) * sizeof(type));
-    DEM_WALL_ARRAYS(X)
-#undef X
-    return RP_OK;
-}
-
-void dem_walls_forget(dem_walls *walls)
-{
-    walls->slot = NULL;
-#define X(type, name) walls->name = NULL;
-    DEM_WALL_ARRAYS(X)
-#undef X
-}
-
 void dem_walls_free(dem_walls *walls)
 {
     free(walls->slot);
@@ -43,25 +23,12 @@ void dem_walls_free(dem_walls *walls)
 #undef X
 }
 
-void dem_walls_find_starts(dem_walls *walls, size_t n)
+void dem_walls_link(dem_walls *walls, size_t n, size_t n_grains, uint32_t *last)
 {
     for (size_t w = 0, k = 0; w <= n; w++) {
         while (k < walls->n_slots && walls->slot[k].wall < w) k++;
         walls->start[w] = k;
     }
-}
-
-/* Is a slot of this grain, before this last one, of a segment? */
-static bool has_segment(const dem_walls *w, size_t last)
-{
-    bool has = false;
-    for (size_t k = w->slot[last].next; k != last; k = w->slot[k].next)
-        has |= !dem_wall_is_line(&w->wall[w->slot[k].wall]);
-    return has;
-}
-
-void dem_walls_link(dem_walls *walls, size_t n_grains, uint32_t *last)
-{
     memset(last, 0xff, n_grains * sizeof *last);
     for (uint32_t k = 0; k < walls->n_slots; k++) {
         dem_wall_slot *slot = &walls->slot[k];
@@ -72,6 +39,8 @@ void dem_walls_link(dem_walls *walls, size_t n_grains, uint32_t *last)
             walls->slot[*before].next = k & INT32_MAX;
         }
         *before = k;
-        slot->leads = !dem_wall_is_line(&walls->wall[slot->wall]) && !has_segment(walls, k);
+        slot->leads = !dem_wall_is_line(&walls->wall[slot->wall]);
+        for (size_t o = slot->next; o != k; o = walls->slot[o].next)
+            slot->leads &= dem_wall_is_line(&walls->wall[walls->slot[o].wall]);
     }
 }

@@ -83,11 +83,9 @@ static inline double dem_wall_spin(const dem_walls *walls, size_t w)
     return walls->line[w].moves ? walls->line[w].swing[1] : walls->swing[1];
 }
 
-/* Room for n walls and the n_slots slots; a copy of n. Errors: RP_NO_MEMORY. */
+/* Room for n walls and the n_slots slots. Errors: RP_NO_MEMORY. */
 rp_status dem_walls_alloc(dem_walls *walls, size_t n);
-rp_status dem_walls_copy(const dem_walls *walls, size_t n, dem_walls *copy);
 void dem_walls_free(dem_walls *walls);
-void dem_walls_forget(dem_walls *walls); /* the arrays of a copy's original */
 
 /* Coulomb's coefficient without infinity: 1e300 times no force is none, where infinity would give NaN. */
 static inline double dem_finite_mu(double mu)
@@ -95,8 +93,8 @@ static inline double dem_finite_mu(double mu)
     return fmin(mu, 1e300);
 }
 
-/* Of n walls, the first slot of each; and the slots of each of n_grains, with as many numbers of room. */
-void dem_walls_find_starts(dem_walls *walls, size_t n);
-void dem_walls_link(dem_walls *walls, size_t n_grains, uint32_t *last);
+/* Find the first slot of each of n walls, and chain the slots of each of n_grains, with as many numbers of
+ * room. */
+void dem_walls_link(dem_walls *walls, size_t n, size_t n_grains, uint32_t *last);
 
 #endif

@@ -67,9 +67,6 @@ struct dem_sim {
     double clock;
 };
 
-/* Forget, in a copy of the structure, the arrays and work spaces that are the original's. */
-void dem_forget_parts(dem_sim *sim);
-
 /* Force on a grain, in either of its arrays. */
 static inline dem_vec *dem_force(const dem_sim *sim, size_t i)
 {
@@ -112,6 +109,12 @@ static inline bool dem_wall_opens(const dem_sim *sim, size_t w)
 {
     const long from = sim->walls.wall[w].open_at_step;
     return from >= 0 && sim->step >= from;
+}
+
+/* Is nothing left of it, since it has opened at once? */
+static inline bool dem_wall_is_gone(const dem_sim *sim, size_t w)
+{
+    return dem_wall_opens(sim, w) && isinf(sim->walls.wall[w].open_speed);
 }
 
 /* Contacts by number: the pairs of the list, then the wall slots. Which grains: the second is DEM_NOBODY at a

@@ -2,6 +2,7 @@
 #include "dem/state/vec.h"
 
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 
@@ -20,10 +21,20 @@ bool dem_array_grow(void *array, size_t size, size_t n, size_t capacity)
 {
     void *old = *(void **)array, *more = dem_array(capacity, size);
     if (!more) return false;
-    if (n > 0) memcpy(more, old, size * n);
+    if (old) memcpy(more, old, size * n);
     free(old);
     *(void **)array = more;
     return true;
+}
+
+rp_status dem_room(const char *name, void *array, size_t size, size_t n, size_t *capacity)
+{
+    if (n <= *capacity) return RP_OK;
+    void *more = realloc(*(void **)array, 2 * n * size);
+    if (!more) return rp_fail(RP_NO_MEMORY, "%s: out of memory", name);
+    *(void **)array = more;
+    *capacity = 2 * n;
+    return RP_OK;
 }
 
 void dem_sine_cosine(double angle, double *sine, double *cosine)

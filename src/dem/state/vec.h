@@ -4,10 +4,16 @@
 
 #include <stdbool.h>
 #include <stddef.h>
-#include <stdlib.h>
+
+#include "core/status.h"
 
 /* Two doubles as one value: + - * act on both. */
 typedef double dem_vec __attribute__((vector_size(16)));
+
+static inline dem_vec dem_vec_of(const double x[2])
+{
+    return (dem_vec){x[0], x[1]};
+}
 
 static inline double dem_dot(dem_vec a, dem_vec b)
 {
@@ -30,17 +36,13 @@ typedef struct {
  * and lies on huge pages if it is large enough: gathers from small ones wait for the page table. */
 void *dem_array(size_t n, size_t size);
 
-/* Let the array that `array` points to, one of dem_array, hold `capacity` items, of which the first `n` stay;
- * false, and as it was, if memory is short. */
+/* Let the array that `array` points to, one of dem_array or NULL, hold `capacity` items, of which the first
+ * `n` stay; false, and as it was, if memory is short. */
 bool dem_array_grow(void *array, size_t size, size_t n, size_t capacity);
 
-/* The same for any array, of which all items stay. */
-static inline bool dem_grow(void *array, size_t size, size_t capacity)
-{
-    void *more = realloc(*(void **)array, size * capacity);
-    if (more) *(void **)array = more;
-    return more != NULL;
-}
+/* Room for n items in the array of `capacity` items that `array` points to, any but one of dem_array: it
+ * grows to twice as many, and keeps those it has. Errors: RP_NO_MEMORY, with the name of what it is for. */
+rp_status dem_room(const char *name, void *array, size_t size, size_t n, size_t *capacity);
 
 /* sin and cos by + - * / alone, |angle| < 1: the same bits on every processor. */
 void dem_sine_cosine(double angle, double *sine, double *cosine);

@@ -1,6 +1,7 @@
-/* Parts of a pile; see parts.h. */
-#include "dem/threads/parts.h"
+/* Parts of a pile; see threads.h. */
+#include "dem/threads/threads.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* Of one part alone. */
@@ -23,7 +24,7 @@ bool dem_threads_divided(const dem_sim *sim)
 rp_status dem_threads_do_parts(dem_sim *sim, dem_task *task)
 {
     dem_part all = {.of = 1, .grain_end = sim->grains.n, .pair_end = sim->pairs.n, .done = sim->pairs.done};
-    return dem_threads_divided(sim) ? dem_threads_do(sim, task) : task(sim, &all);
+    return dem_threads_divided(sim) ? dem_threads_do(sim, task, 0, 1) : task(sim, &all);
 }
 
 static inline bool has(const dem_part *part, uint32_t i)
@@ -58,7 +59,7 @@ rp_status dem_threads_gather(dem_sim *sim)
     sim->pairs.n = 0;
     RP_TRY(dem_pairs_reserve(&sim->pairs, n));
     sim->pairs.n = n;
-    return dem_threads_do(sim, gather);
+    return dem_threads_do(sim, gather, 0, 1);
 }
 
 /* Stretches of the list with as many pairs each. The grains whose pairs begin there, rounded to groups, are
@@ -67,14 +68,12 @@ static rp_status set_bounds(dem_sim *sim)
 {
     struct dem_team *team = sim->team;
     const size_t groups = sim->grains.n / DEM_GROUP + 1;
-    if (groups > team->late_capacity &&
-        !dem_grow(&team->late, sizeof *team->late, team->late_capacity = 2 * groups))
-        return rp_fail(RP_NO_MEMORY, "threads: out of memory");
+    RP_TRY(dem_room("threads", &team->late, sizeof *team->late, groups, &team->late_capacity));
     size_t pair = 0, grain = 0;
     for (size_t t = 0; t < team->n; t++) {
         dem_part *part = &team->part[t];
         part->pair = pair, part->grain = grain;
-        pair = part->pair_end = dem_share_end(part, sim->pairs.n, 64);
+        pair = part->pair_end = t + 1 == team->n ? sim->pairs.n : sim->pairs.n * (t + 1) / team->n / 64 * 64;
         grain = part->grain_end =
             t + 1 == team->n ? sim->grains.n : sim->pairs.i[pair] / DEM_GROUP * DEM_GROUP;
         part->late = team->late;
@@ -89,10 +88,8 @@ static rp_status find_border(dem_sim *sim, dem_part *part)
     own->n_border = 0;
     for (size_t k = part->pair; k < part->pair_end; k++) {
         if (has(part, sim->pairs.i[k]) && has(part, sim->pairs.j[k])) continue;
-        if (own->n_border == own->border_capacity &&
-            !dem_grow(&own->border, sizeof *own->border,
-                      own->border_capacity = 2 * own->border_capacity + 1024))
-            return rp_fail(RP_NO_MEMORY, "threads: out of memory");
+        RP_TRY(
+            dem_room("threads", &own->border, sizeof *own->border, own->n_border + 1, &own->border_capacity));
         own->border[own->n_border++] = (uint32_t)k;
     }
     return RP_OK;
@@ -166,10 +163,8 @@ static rp_status plan(dem_sim *sim, dem_part *part)
     } else if (to > own->force_from) {
         memset(own->force, 0, (to - own->force_from) * size);
     }
-    if (chunks > own->done_capacity &&
-        !dem_grow(&own->done, sizeof *own->done, own->done_capacity = 2 * chunks))
-        own->done_capacity = 0;
-    if (!own->force || own->done_capacity == 0) return rp_fail(RP_NO_MEMORY, "threads: out of memory");
+    if (!own->force) return rp_fail(RP_NO_MEMORY, "threads: out of memory");
+    RP_TRY(dem_room("threads", &own->done, sizeof *own->done, chunks, &own->done_capacity));
     find_done(sim, part, own->done);
     find_slots(sim, part);
     return RP_OK;
@@ -205,9 +200,9 @@ rp_status dem_threads_divide(dem_sim *sim)
 {
     if (!dem_threads_divided(sim)) return RP_OK;
     RP_TRY(set_bounds(sim));
-    RP_TRY(dem_threads_do(sim, find_border));
-    RP_TRY(dem_threads_do(sim, plan));
-    return dem_threads_do(sim, take_forces);
+    RP_TRY(dem_threads_do(sim, find_border, 0, 1));
+    RP_TRY(dem_threads_do(sim, plan, 0, 1));
+    return dem_threads_do(sim, take_forces, 0, 1);
 }
 
 /* They touch or not as in their own part, which reports an overlap that is too deep. */

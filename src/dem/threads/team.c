@@ -1,11 +1,12 @@
-/* Threads and their tasks; see team.h. */
-#include "dem/threads/team.h"
+/* Threads and their tasks; see threads.h. */
+#include "dem/threads/threads.h"
 
 #include <math.h>
 #include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <unistd.h>
 
 typedef struct {
@@ -73,11 +74,16 @@ static void *work(void *of)
     }
 }
 
-rp_status dem_threads_do(dem_sim *sim, dem_task *task)
+rp_status dem_threads_do(dem_sim *sim, dem_task *task, size_t n, size_t unit)
 {
-    if (!sim->team) return task(sim, &(dem_part){.of = 1});
+    if (!sim->team) return task(sim, &(dem_part){.of = 1, .to = n});
     struct dem_crew *crew = sim->team->crew;
     crew->sim = sim, crew->task = task;
+    for (size_t t = 0, from = 0; t < sim->team->n; t++) {
+        dem_part *part = &sim->team->part[t];
+        part->from = from;
+        from = part->to = t + 1 == part->of ? n : n * (t + 1) / part->of / unit * unit;
+    }
     raise_count(crew, &crew->begun);
     do_part(&crew->worker[0]);
     await(crew, &crew->done, ++crew->tasks * (unsigned)crew->started);
