@@ -156,12 +156,14 @@ void check_all_near(const char *file, int line, const char *rows, double toleran
 /* A text, in one of sixteen buffers, which take turns. */
 const char *check_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* |found - value| <= tolerance for each {name, value}, by its name; `found` is an expression of NAME. */
+/* |found - value| <= tolerance for each {name, value}, by its name; `found` is an expression of NAME, and the
+ * tolerance one of NAMED_VALUE. */
 typedef struct {
     const char *name;
     double value;
 } check_value;
-#define NAME named_->name
+#define NAME        named_->name
+#define NAMED_VALUE named_->value
 #define CHECK_EACH(found, tolerance, ...)                                                                    \
     do {                                                                                                     \
         const check_value list_[] = {__VA_ARGS__};                                                           \
@@ -174,6 +176,19 @@ typedef struct {
             CU_ASSERT(near_);                                                                                \
         }                                                                                                    \
     } while (0)
+
+/* |found - expected| <= tolerance for each {found, expected}. */
+#define CHECK_PAIRS(tolerance, ...)                                                                          \
+    check_pairs(__FILE__, __LINE__, #__VA_ARGS__, tolerance,                                                 \
+                sizeof((double[][2]){__VA_ARGS__}) / sizeof(double[2]), (double[][2]){__VA_ARGS__})
+void check_pairs(const char *file, int line, const char *what, double tolerance, size_t n, double pairs[][2]);
+
+/* The text holds each of these parts. */
+#define CHECK_PARTS(text, ...) check_parts(__FILE__, __LINE__, text, (const char *const[]){__VA_ARGS__, NULL})
+void check_parts(const char *file, int line, const char *text, const char *const parts[]);
+
+/* The next word of a text whose words stand between these characters; false at its end. */
+bool check_word(const char **text, const char *between, char word[static 128]);
 
 /* The call fails with this status, and its message contains `text`. */
 #define CHECK_FAILS(call, status, text)                                                                      \

@@ -1,6 +1,7 @@
 /* Small scenes shared by several test files; see grains.h. */
 #include "tests/grains.h"
 
+#include <stdarg.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -53,6 +54,13 @@ void grains_on_floor(dem_definition *def, size_t n, const dem_grain *grains)
     def->n_grains = n;
     def->n_walls = 1;
     def->walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def->material);
+}
+
+dem_definition grains_floored(size_t n, const dem_grain *grains)
+{
+    dem_definition def = dem_definition_default();
+    grains_on_floor(&def, n, grains);
+    return def;
 }
 
 dem_definition grains_disks(size_t n, const dem_grain *grains, double k)
@@ -146,6 +154,57 @@ dem_sim *grains_after(const dem_definition *def, long steps)
     return sim;
 }
 
+dem_sim *grains_after_text(long steps, const char *format, ...)
+{
+    va_list args;
+    scoped_scene scene = {0};
+    scoped char *text = NULL;
+    dem_sim *sim = NULL;
+    va_start(args, format);
+    CU_ASSERT_FATAL(vasprintf(&text, format, args) > 0);
+    va_end(args);
+    CHECK_OK(grains_read(text, NULL, &scene));
+    CHECK_OK(dem_scene_start(&scene, &sim));
+    CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
+    if (steps > 0) CHECK_OK(dem_run(sim, steps));
+    return sim;
+}
+
+dem_sim *grains_kept(dem_sim *sim)
+{
+    rp_snapshot s = {0};
+    dem_sim *copy = sim;
+    dem_keep(&s, &copy);
+    CHECK_OK(s.status);
+    s.reading = true, s.path = "memory";
+    dem_keep(&s, &copy);
+    CHECK_OK(rp_snapshot_end(&s));
+    rp_snapshot_free(&s);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(copy);
+    return copy;
+}
+
+dem_counts grains_counts(const dem_sim *sim)
+{
+    dem_counts counts;
+    dem_count_work(sim, &counts);
+    return counts;
+}
+
+dem_ledger grains_ledger(const dem_sim *sim)
+{
+    dem_ledger ledger = {0};
+    CU_ASSERT_FATAL(dem_ledger_read(sim, &ledger));
+    return ledger;
+}
+
+dem_contact *grains_contacts(const dem_sim *sim, size_t *n)
+{
+    dem_contact *list = NULL;
+    CHECK_OK(dem_contacts(sim, &list, n));
+    return list;
+}
+
 void grains_again(dem_sim **sim, const dem_definition *def, long steps)
 {
     dem_free(*sim);
@@ -168,19 +227,12 @@ dem_state grains_state_of_one(const dem_sim *sim)
     return s;
 }
 
-dem_contact *grains_contacts(const dem_sim *sim, size_t *n)
-{
-    dem_contact *list = NULL;
-    CHECK_OK(dem_contacts(sim, &list, n));
-    return list;
-}
-
 dem_contact grains_only_contact(const dem_sim *sim)
 {
     size_t n;
     scoped dem_contact *list = grains_contacts(sim, &n);
     CU_ASSERT_FATAL(n == 1);
-    return list[0];
+    return *list;
 }
 
 void grains_wall_forces(const dem_sim *sim, double *forces)
@@ -250,6 +302,16 @@ dem_sim *grains_scene_after(const char *text, long steps, dem_scene *scene)
     CHECK_OK(dem_scene_start(scene, &sim));
     CHECK_OK(dem_run(sim, steps));
     return sim;
+}
+
+rp_status grains_read_as(dem_scene *scene, const char *format, ...)
+{
+    va_list args;
+    scoped char *text = NULL;
+    va_start(args, format);
+    CU_ASSERT_FATAL(vasprintf(&text, format, args) > 0);
+    va_end(args);
+    return grains_read(text, NULL, scene);
 }
 
 void grains_refused(const char *text, const rp_texts *changes, const char *message)

@@ -18,6 +18,9 @@ dem_definition grains_bare(size_t n, const dem_grain *grains, dem_normal_law law
 /* The grains, and as the only wall a floor of the definition's material through the origin. */
 void grains_on_floor(dem_definition *def, size_t n, const dem_grain *grains);
 
+/* The grains above a floor of the default material, by the defaults. */
+dem_definition grains_floored(size_t n, const dem_grain *grains);
+
 /* Disks on springs k without dissipation, for the implicit integrator; lengths in diameters, unit gravity. */
 dem_definition grains_disks(size_t n, const dem_grain *grains, double k);
 
@@ -53,11 +56,26 @@ void grains_again(dem_sim **sim, const dem_definition *def, long steps); /* in p
 dem_sim *grains_start_in_chunks(const dem_definition *def, size_t chunk);
 dem_state grains_state_of_one(const dem_sim *sim);
 
+/* That of the scene of a text, as of printf, after some steps. */
+dem_sim *grains_after_text(long steps, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* The simulation that the bytes of another's snapshot make. */
+dem_sim *grains_kept(dem_sim *sim);
+
+/* For each kernel of the machine from the first of these on. */
+#define GRAINS_EACH_KERNEL(kernel, first)                                                                    \
+    for (int kernel = first; kernel < DEM_KERNELS; kernel++)                                                 \
+        if (dem_kernel_runs(kernel))
+
 /* Run without an error, and give the states then. */
 void grains_run(dem_sim *sim, long steps, dem_state *states);
 
-/* The contacts, to be freed; the contact, if any; the force on each wall; the total energy. */
+/* The work done; the ledger, which it has; the contacts, to be freed. */
+dem_counts grains_counts(const dem_sim *sim);
+dem_ledger grains_ledger(const dem_sim *sim);
 dem_contact *grains_contacts(const dem_sim *sim, size_t *n);
+
+/* The contact, if any; the force on each wall; the total energy. */
 dem_contact grains_only_contact(const dem_sim *sim);
 void grains_wall_forces(const dem_sim *sim, double *forces);
 double grains_energy(const dem_sim *sim);
@@ -68,6 +86,7 @@ rp_status grains_read(const char *text, const rp_texts *changes, dem_scene *scen
 
 /* The simulation of a text after some steps. */
 dem_sim *grains_scene_after(const char *text, long steps, dem_scene *scene);
+rp_status grains_read_as(dem_scene *scene, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* A text that is refused with this message; a scene written, and read again. */
 void grains_refused(const char *text, const rp_texts *changes, const char *message);

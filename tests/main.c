@@ -94,6 +94,35 @@ bool check_full(void)
     return full;
 }
 
+void check_pairs(const char *file, int line, const char *what, double tolerance, size_t n, double pairs[][2])
+{
+    for (size_t k = 0; k < n; k++) {
+        const bool near = fabs(pairs[k][0] - pairs[k][1]) <= tolerance;
+        if (!near)
+            fprintf(stderr, "%s:%d: number %zu of %s: %.17g, expected %.17g within %g\n", file, line, k + 1,
+                    what, pairs[k][0], pairs[k][1], tolerance);
+        CU_ASSERT(near);
+    }
+}
+
+void check_parts(const char *file, int line, const char *text, const char *const parts[])
+{
+    for (; *parts; parts++) {
+        const bool there = strstr(text, *parts) != NULL;
+        if (!there) fprintf(stderr, "%s:%d: no \"%s\" in \"%.2000s\"\n", file, line, *parts, text);
+        CU_ASSERT(there);
+    }
+}
+
+bool check_word(const char **text, const char *between, char word[static 128])
+{
+    const char *from = *text + strspn(*text, between);
+    const size_t length = strcspn(from, between);
+    snprintf(word, 128, "%.*s", (int)length, from);
+    *text = from + length;
+    return length > 0;
+}
+
 static void table_path(const char *name, char path[static 512])
 {
     const char *table = strchr(name, '_');

@@ -123,6 +123,23 @@ int run_report(const char *format, ...)
     return status;
 }
 
+int repose_main(int argc, char **argv); /* of tests/fuzz/targets.c */
+
+int run_forked(const char *words, void (*begin)(void))
+{
+    char word[20][128], *line[21] = {"repose"};
+    int n = 1, end = 0;
+    while (n < 20 && check_word(&words, " ", word[n])) line[n] = word[n], n++;
+    const pid_t child = fork();
+    if (child == 0) {
+        if (!freopen("out", "w", stdout) || !freopen("err", "w", stderr)) _exit(99);
+        begin();
+        exit(repose_main(n, line));
+    }
+    CU_ASSERT_FATAL(waitpid(child, &end, 0) == child);
+    return WIFEXITED(end) ? WEXITSTATUS(end) : 128 + WTERMSIG(end);
+}
+
 /* The line that ends a run. */
 static bool is_closing_line(const char *text)
 {

@@ -40,6 +40,10 @@ void holds_in_tree(const char *line);
 int run(const char *format, ...) __attribute__((format(printf, 1, 2)));
 int run_report(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+/* Exit status, or 128 and the signal, of the program with these words, in a process that is forked from this
+ * one, in its folder, and that begins with `begin`. Its output is in the files `out` and `err` there. */
+int run_forked(const char *words, void (*begin)(void));
+
 /* A successful run leaves standard error empty but for the line that ends `repose run`: no
  * other message, and no progress without a terminal. */
 bool good(const char *file, int line, int status);

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "tests/check.h"
+#include "tests/folder.h"
 #include "tests/program.h"
 
 enum { MOST_NAMES = 512, MOST_TABLES = 16, MOST_ROWS = 16, MOST_KEYS = 24 };
@@ -49,12 +50,10 @@ static void add_name(const char *name, size_t length)
 
 static void add_names_of(const char *path)
 {
-    char line[4096];
-    FILE *in = fopen(path, "r");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(in);
-    while (fgets(line, sizeof line, in)) {
-        if (*line == '#') continue;
-        for (char *quote = line; (quote = strpbrk(quote, "'\"")); quote++) {
+    size_t n;
+    scoped char *text = file_read(path, &n);
+    for (char *rest = text, *line; (line = strsep(&rest, "\n"));)
+        for (char *quote = line; *line != '#' && (quote = strpbrk(quote, "'\"")); quote++) {
             const size_t length = strcspn(quote + 1, "'\"");
             const size_t word = strspn(quote + 1, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
                                                   "0123456789_/()*");
@@ -62,43 +61,29 @@ static void add_names_of(const char *path)
             if (!quote[1 + length]) break;
             quote += 1 + length;
         }
-    }
-    fclose(in);
+}
+
+static void each_figure(void (*visit)(const char *path))
+{
+    glob_t found;
+    CU_ASSERT_FATAL(glob("figures/*/*.gp", 0, NULL, &found) == 0);
+    for (size_t i = 0; i < found.gl_pathc; i++) visit(found.gl_pathv[i]);
+    globfree(&found);
 }
 
 static void collect_names(void)
 {
-    static const char *const more[] = {"theta_r1_deg_mean",
-                                       "theta_r1_deg_se",
-                                       "theta_r2_deg_mean",
-                                       "theta_r2_deg_se",
-                                       "theta_r3_deg_mean",
-                                       "theta_r3_deg_sd",
-                                       "theta_r3_deg_se",
-                                       "theta_r3_deg_lo95",
-                                       "theta_r3_deg_hi95",
-                                       "H",
-                                       "W",
-                                       "mu",
-                                       "H_ratio_mean",
-                                       "H_slope_ratio_mean",
-                                       "middle_mean",
-                                       "weakest_level_mean",
-                                       "H_ratio_se",
-                                       "middle_diagonals_mean",
-                                       "theta_t_displacement_deg_mean",
-                                       "theta_t_displacement_deg_se",
-                                       "theta_t_energy_deg_mean",
-                                       "theta_t_energy_deg_se",
-                                       "tilt_rate_deg"};
+    const char *more =
+        "theta_r1_deg_mean theta_r1_deg_se theta_r2_deg_mean theta_r2_deg_se theta_r3_deg_mean "
+        "theta_r3_deg_sd theta_r3_deg_se theta_r3_deg_lo95 theta_r3_deg_hi95 H W mu H_ratio_mean "
+        "H_slope_ratio_mean middle_mean weakest_level_mean H_ratio_se middle_diagonals_mean "
+        "theta_t_displacement_deg_mean theta_t_displacement_deg_se theta_t_energy_deg_mean "
+        "theta_t_energy_deg_se tilt_rate_deg";
     static const char *const forms[] = {"balanced", "lattice", "sine", "printed"};
-    char name[48];
-    glob_t found;
+    char name[128];
     n_names = 0;
-    CU_ASSERT_FATAL(glob("figures/*/*.gp", 0, NULL, &found) == 0);
-    for (size_t i = 0; i < found.gl_pathc; i++) add_names_of(found.gl_pathv[i]);
-    globfree(&found);
-    for (size_t i = 0; i < sizeof more / sizeof *more; i++) add_name(more[i], strlen(more[i]));
+    each_figure(add_names_of);
+    while (check_word(&more, " ", name)) add_name(name, strlen(name));
     for (size_t i = 0; i < 4; i++)
         for (int k = 0; k < 2; k++) {
             snprintf(name, sizeof name, "theta_t_%s_%sdeg", forms[i], k ? "se_" : "");
@@ -128,37 +113,33 @@ static double value_of(const fixture *f, const char *column, size_t row)
     return 0.01 * (1.0 + 0.1 * (double)c + 0.013 * (double)row + 0.001 * (double)(f - fixtures));
 }
 
-static void write_fixture(const fixture *f)
+/* Each column of the fixture, the keys first: its name, or what it has in this row. */
+static void print_cells(const fixture *f, FILE *file, const size_t *row)
 {
-    char path[256], command[400];
-    path_of(f->name, path);
-    if (strchr(f->name, '/')) {
-        snprintf(command, sizeof command, "mkdir -p \"$(dirname %s)\"; :>out; :>err", path);
-        shell(command);
-    }
-    FILE *out_file = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(out_file);
-    fputs(f->notes, out_file);
-    fputs("# units: 1\n", out_file);
-    const char *tab = "";
-    for (size_t k = 0; k < f->n_keys; k++, tab = "\t") fprintf(out_file, "%s%s", tab, f->keys[k]);
-    for (size_t c = 0; c < n_names && !f->only; c++) {
+    for (size_t k = 0; k < f->n_keys; k++)
+        fprintf(file, "%s%s", k ? "\t" : "", row ? f->cells[k][*row] : f->keys[k]);
+    for (size_t c = 0, n = f->n_keys; c < n_names && !f->only; c++) {
         bool is_key = false;
         for (size_t k = 0; k < f->n_keys; k++) is_key |= strcmp(f->keys[k], names[c]) == 0;
-        if (!is_key) fprintf(out_file, "%s%s", tab, names[c]), tab = "\t";
+        if (is_key) continue;
+        if (n++) fputc('\t', file);
+        if (row)
+            fprintf(file, "%.6g", value_of(f, names[c], *row));
+        else
+            fputs(names[c], file);
     }
-    fputc('\n', out_file);
-    for (size_t row = 0; row < f->n_rows; row++) {
-        tab = "";
-        for (size_t k = 0; k < f->n_keys; k++, tab = "\t") fprintf(out_file, "%s%s", tab, f->cells[k][row]);
-        for (size_t c = 0; c < n_names && !f->only; c++) {
-            bool is_key = false;
-            for (size_t k = 0; k < f->n_keys; k++) is_key |= strcmp(f->keys[k], names[c]) == 0;
-            if (!is_key) fprintf(out_file, "%s%.6g", tab, value_of(f, names[c], row)), tab = "\t";
-        }
-        fputc('\n', out_file);
-    }
-    fclose(out_file);
+    fputc('\n', file);
+}
+
+static void write_fixture(const fixture *f)
+{
+    if (strchr(f->name, '/'))
+        shell_line("mkdir -p %.*s; :>out; :>err", (int)(strrchr(f->name, '/') - f->name), f->name);
+    FILE *file = file_of(f->name);
+    fprintf(file, "%s# units: 1\n", f->notes);
+    print_cells(f, file, NULL);
+    for (size_t row = 0; row < f->n_rows; row++) print_cells(f, file, &row);
+    fclose(file);
 }
 
 /* "NAME [only] KEY=a,b,c ... [#NOTE=text]": a table of as many rows as the longest list. */
@@ -324,11 +305,9 @@ static bool check_curve(char *words)
             return false;
         }
     }
-    if (next_point(point, &n))
-        fprintf(stderr, "%s: more points than rows\n", f->name);
-    else
-        return true;
-    return false;
+    const bool more = next_point(point, &n);
+    if (more) fprintf(stderr, "%s: more points than rows\n", f->name);
+    return !more;
 }
 
 /* "A B": y = A + B x; "A B C": y = A + B/x + C; "A B C P": y = A + B/x^P + C. */
@@ -473,18 +452,17 @@ static bool is_set_out(const char *figure)
 static void test_drawn(void)
 {
     static char data[1 << 20];
-    char line[1024], figure[64] = "";
+    char figure[64] = "";
     int number = 0;
     bool is_drawn = false, good_figure = true;
     if (check_fast()) return; /* of gnuplot's work the sanitizers see nothing */
-    FILE *in = fopen("tests/figures.txt", "r");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(in);
+    size_t size;
+    scoped char *described = file_read("tests/figures.txt", &size);
     enter();
     collect_names();
     copy_figures();
-    while (fgets(line, sizeof line, in)) {
+    for (char *lines = described, *line; (line = strsep(&lines, "\n"));) {
         number++;
-        line[strcspn(line, "\n")] = '\0';
         char *rest = strchr(line, ' ');
         if (*line == '#' || !*line || strncmp(line, "skip ", 5) == 0) continue;
         if (rest) *rest++ = '\0';
@@ -532,59 +510,45 @@ static void test_drawn(void)
         CU_ASSERT(right);
         if (!right) good_figure = false;
     }
-    fclose(in);
     leave();
 }
 
-static bool file_has_line(const char *path, const char *word, const char *name)
+/* Every figure is described, or skipped for a reason. */
+static void check_described(const char *path)
 {
-    char line[1024], wanted[160];
-    bool has = false;
-    FILE *in = fopen(path, "r");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(in);
-    snprintf(wanted, sizeof wanted, "%s %s", word, name);
-    while (!has && fgets(line, sizeof line, in))
-        has = strncmp(line, wanted, strlen(wanted)) == 0 && strchr(" \n", line[strlen(wanted)]);
-    fclose(in);
-    return has;
+    size_t n;
+    char figure[160], skip[160];
+    scoped char *text = file_read("tests/figures.txt", &n);
+    const char *name = path + strlen("figures/");
+    const int length = (int)(strrchr(name, '.') - name);
+    snprintf(figure, sizeof figure, "\nfigure %.*s\n", length, name);
+    snprintf(skip, sizeof skip, "\nskip %.*s ", length, name);
+    const bool described = strstr(text, figure) || strstr(text, skip);
+    if (!described) fprintf(stderr, "tests/figures.txt: no figure %s\n", path);
+    CU_ASSERT(described);
 }
 
-/* Every figure is described, or skipped for a reason. */
 static void test_all_described(void)
 {
-    glob_t found;
-    CU_ASSERT_FATAL(glob("figures/*/*.gp", 0, NULL, &found) == 0);
-    for (size_t i = 0; i < found.gl_pathc; i++) {
-        char name[128];
-        snprintf(name, sizeof name, "%s", found.gl_pathv[i] + strlen("figures/"));
-        *strrchr(name, '.') = '\0';
-        const bool described = file_has_line("tests/figures.txt", "figure", name) ||
-                               file_has_line("tests/figures.txt", "skip", name);
-        if (!described) fprintf(stderr, "tests/figures.txt: no figure %s\n", name);
-        CU_ASSERT(described);
-    }
-    globfree(&found);
+    each_figure(check_described);
 }
 
 /* A figure says what it shows, and leaves sizes and fonts to figures/style.gp. */
-static void test_style_in_one_place(void)
+static void check_style(const char *path)
 {
     static const char *const elsewhere[] = {
         " font '", " font \"", "set terminal", "\nwidth = ", "\nheight = ", "set title", "set key"};
-    static char text[1 << 16];
-    glob_t found;
-    CU_ASSERT_FATAL(glob("figures/*/*.gp", 0, NULL, &found) == 0);
-    for (size_t i = 0; i < found.gl_pathc; i++) {
-        FILE *in = fopen(found.gl_pathv[i], "r");
-        CU_ASSERT_PTR_NOT_NULL_FATAL(in);
-        text[fread(text, 1, sizeof text - 1, in)] = '\0';
-        fclose(in);
-        bool good = strstr(text, "heading = ") || strstr(text, "load 'figures/l");
-        for (size_t k = 0; k < sizeof elsewhere / sizeof *elsewhere; k++) good &= !strstr(text, elsewhere[k]);
-        if (!good) fprintf(stderr, "%s: no heading, or a size or font of its own\n", found.gl_pathv[i]);
-        CU_ASSERT(good);
-    }
-    globfree(&found);
+    size_t n;
+    scoped char *text = file_read(path, &n);
+    bool good = strstr(text, "heading = ") || strstr(text, "load 'figures/l");
+    for (size_t k = 0; k < sizeof elsewhere / sizeof *elsewhere; k++) good &= !strstr(text, elsewhere[k]);
+    if (!good) fprintf(stderr, "%s: no heading, or a size or font of its own\n", path);
+    CU_ASSERT(good);
+}
+
+static void test_style_in_one_place(void)
+{
+    each_figure(check_style);
 }
 
 /* Fixtures are tables of their own: the published numbers that figures name, and the tables of sweeps whose

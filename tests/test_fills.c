@@ -47,15 +47,7 @@ static double kolmogorov(const dem_fill *f, size_t n, const dem_grain *grains, d
     return most * sqrt((double)n);
 }
 
-static const dem_fill wide = {.N = 3000,
-                              .W = 60.0,
-                              .H = 60.0,
-                              .radius_mean = 0.1,
-                              .radius_width = 0.02,
-                              .radius_min = 0.05,
-                              .radius_max = 0.17,
-                              .density = 1.0,
-                              .seed = 3};
+static const dem_fill wide = {3000, 60.0, 60.0, 0.1, 0.02, 0.05, 0.17, 1.0, DEM_SPHERE, 3, 0};
 
 static void test_laws(void)
 {
@@ -135,6 +127,20 @@ static void test_patterns(void)
     free(grains);
 }
 
+/* Written and read again, the scene has the same grains. */
+static void check_reread(const dem_scene *s, size_t n, const dem_grain *grains)
+{
+    scoped_scene back;
+    scoped dem_grain *again = NULL;
+    size_t m;
+    grains_reread(s, &back);
+    CHECK_OK(dem_scene_grains(&back, &again, &m, NULL));
+    CU_ASSERT_FATAL(m == n);
+    for (size_t i = 0; i < n; i++)
+        CU_ASSERT(memcmp(&grains[i], &again[i], offsetof(dem_grain, fixed)) == 0 &&
+                  grains[i].fixed == again[i].fixed);
+}
+
 /* Rows and lattices of a given spacing; regions that a polygon cuts, written and read again. */
 static void test_cut(void)
 {
@@ -145,12 +151,10 @@ static void test_cut(void)
         "{ N = 300; W = 8.0; H = 8.0; polygon = ( (0.0, 0.0), (8.0, 0.0), (0.0, 8.0) ); }"};
     static const size_t counts[] = {6, 66, 300}; /* of the second 11 rows of 11 to 1 */
     for (int k = 0; k < 3; k++) {
-        char text[512];
-        scoped_scene s, back;
-        scoped dem_grain *grains = NULL, *again = NULL;
-        size_t n, m, low = 0;
-        snprintf(text, sizeof text, "fill = %s;\n", fills[k]);
-        CHECK_OK(grains_read(text, NULL, &s));
+        scoped_scene s;
+        scoped dem_grain *grains = NULL;
+        size_t n, low = 0;
+        CHECK_OK(grains_read_as(&s, "fill = %s;\n", fills[k]));
         CHECK_OK(dem_scene_grains(&s, &grains, &n, NULL));
         CU_ASSERT_FATAL(n == counts[k]);
         for (size_t i = 0; i < n; i++) {
@@ -161,11 +165,7 @@ static void test_cut(void)
             low += g->x < 4.0 && g->y < 4.0; /* of the triangle a half */
         }
         if (k == 2) CU_ASSERT(fabs((double)low - 150.0) < 3.3 * sqrt(75.0));
-        grains_reread(&s, &back);
-        CHECK_OK(dem_scene_grains(&back, &again, &m, NULL));
-        CU_ASSERT_FATAL(m == n);
-        for (size_t i = 0; i < n; i++)
-            CU_ASSERT(memcmp(&grains[i], &again[i], offsetof(dem_grain, fixed)) == 0);
+        check_reread(&s, n, grains);
     }
     static const char *const refused[][2] = {
         {"N = 3; W = 1.0; H = 1.0; spacing = 0.3;", "spacing: of a row or a lattice"},
@@ -179,28 +179,23 @@ static void test_cut(void)
                          NULL, &far));
     CHECK_FAILS(dem_scene_grains(&far, &none, &n, NULL), RP_NO_RESULT, "no place for a grain");
     for (int k = 0; k < 3; k++) {
-        char text[256];
         scoped_scene s;
-        snprintf(text, sizeof text, "fill = { %s };\n", refused[k][0]);
-        CHECK_FAILS(grains_read(text, NULL, &s), RP_BAD_INPUT, refused[k][1]);
+        CHECK_FAILS(grains_read_as(&s, "fill = { %s };\n", refused[k][0]), RP_BAD_INPUT, refused[k][1]);
     }
 }
 
 /* Groups that a condition leaves out. */
 static void test_if(void)
 {
-    static const char *const words[] = {"true", "false"};
     for (int k = 0; k < 2; k++) {
-        char text[512];
         scoped_scene s;
-        snprintf(
-            text, sizeof text,
+        CHECK_OK(grains_read_as(
+            &s,
             "let = { is = %s; }; normal = { law = \"linear\"; tension = false; }; tangential = { law = "
             "\"slip_roll\"; };\nwalls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
             "hard = { if = \"is\"; restitution = 0.5; }; ground = { if = \"not is\"; mu_static = 0.3; a = "
             "0.01; };\nfill = { N = 3; W = 1.0; H = 1.0; };\n",
-            words[k]);
-        CHECK_OK(grains_read(text, NULL, &s));
+            k ? "false" : "true"));
         CU_ASSERT(s.def.hard.on == (k == 0) && s.def.ground.wall == k);
     }
 }
@@ -219,9 +214,9 @@ static const char several[] =
 
 static void test_several(void)
 {
-    scoped_scene s, back;
-    scoped dem_grain *grains = NULL, *again = NULL;
-    size_t n, m, ends[3];
+    scoped_scene s;
+    scoped dem_grain *grains = NULL;
+    size_t n, ends[3];
     CHECK_OK(grains_read(several, NULL, &s));
     CU_ASSERT(s.has_fill && s.n_more == 2 && strcmp(s.more[1].kind, "large") == 0);
     CHECK_OK(dem_scene_grains(&s, &grains, &n, ends));
@@ -238,13 +233,7 @@ static void test_several(void)
     }
     CU_ASSERT(nearest >= -1e-14);
     CU_ASSERT(grains[ends[0]].r != grains[1].r); /* streams of its own */
-    /* written and read again: the same grains */
-    grains_reread(&s, &back);
-    CHECK_OK(dem_scene_grains(&back, &again, &m, NULL));
-    CU_ASSERT(m == n);
-    for (size_t i = 0; i < n && m == n; i++)
-        CU_ASSERT(grains[i].x == again[i].x && grains[i].y == again[i].y && grains[i].r == again[i].r &&
-                  grains[i].m == again[i].m && grains[i].fixed == again[i].fixed);
+    check_reread(&s, n, grains);
 }
 
 /* d is that of the mean grain of what is there first. */
@@ -264,10 +253,8 @@ static void test_constants(void)
          0.6},
         {"particles = ( { x = 0.0; y = 0.0; r = 0.1; }, { x = 2.0; y = 0.0; r = 0.3; } );", 0.4}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        char text[400];
         scoped_scene s;
-        snprintf(text, sizeof text, "let = { all = true; }; x_max = \"d\"; %s", cases[k].text);
-        CHECK_OK(grains_read(text, NULL, &s));
+        CHECK_OK(grains_read_as(&s, "let = { all = true; }; x_max = \"d\"; %s", cases[k].text));
         CHECK_NEAR(s.def.x_max, cases[k].d, 1e-15);
     }
 }
@@ -283,13 +270,11 @@ static void test_sparse(void)
                  {"W = 0.25; H = 1.0;", 3, 0.1 * (1.0 + 4.0 * 1.7320508075688772)},
                  {"N = 3; W = 0.15; H = 1e9;", 0, 0.0}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        char text[200];
         scoped_scene s;
         scoped dem_grain *grains = NULL;
         size_t n = 0;
-        snprintf(text, sizeof text, "fill = { pattern = \"lattice\"; radius_width = 0.0; %s };",
-                 cases[k].text);
-        CHECK_OK(grains_read(text, NULL, &s));
+        CHECK_OK(
+            grains_read_as(&s, "fill = { pattern = \"lattice\"; radius_width = 0.0; %s };", cases[k].text));
         const rp_status status = dem_scene_grains(&s, &grains, &n, NULL);
         CU_ASSERT(status == (cases[k].n ? RP_OK : RP_NO_RESULT) && n == cases[k].n);
         if (n == cases[k].n && n > 0) CHECK_NEAR(grains[n - 1].y, cases[k].y, 1e-12);

@@ -1,11 +1,9 @@
 /* What people keep in and beside the program's folders: no command changes it. */
 #include <gsl/gsl_rng.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 #include <sys/xattr.h>
 #include <unistd.h>
 
@@ -144,10 +142,9 @@ static bool is_same(const thing *t)
     if (lstat(t->path, &info) != 0 || (info.st_mode & S_IFMT) != t->type) return false;
     if (t->type == S_IFLNK) return readlink(t->path, text, sizeof text - 1) > 0 && strcmp(text, t->text) == 0;
     if (t->type == S_IFDIR) return true;
-    FILE *in = fopen(t->path, "r");
-    const size_t n = in ? fread(text, 1, sizeof text - 1, in) : 0;
-    if (in) fclose(in);
-    return n == strlen(t->text) && memcmp(text, t->text, n) == 0;
+    size_t n;
+    scoped char *bytes = file_read(t->path, &n);
+    return n == strlen(t->text) && memcmp(bytes, t->text, n) == 0;
 }
 
 /* May a person's thing stand there: in a folder, no link to one, under a name that is not the program's? */
@@ -178,87 +175,36 @@ static void put(const char *path, size_t kind, bool reserved)
         if (symlink(t.text, path) != 0) return;
     }
     if (t.type == S_IFREG) {
-        FILE *file = fopen(path, "w");
-        if (!file) return;
         if (reserved || draw(4) > 0) snprintf(t.text, sizeof t.text, "mine %zu\n\001\377\n", draw(1000));
-        fputs(t.text, file);
-        fclose(file);
+        file_write(path, t.text, strlen(t.text));
     }
     mine.of[mine.n++] = t;
 }
 
-static const char *const names[] = {"states.tsv",
-                                    "energy.tsv",
-                                    "contacts.tsv",
-                                    "unfinished",
-                                    "unfinished.moving",
-                                    "unfinished.moving/notes.txt",
-                                    "lock",
-                                    "sweep.cfg",
-                                    "snapshots",
-                                    "shards",
-                                    "run.xyz",
-                                    "run.pvd",
-                                    "run_frames",
-                                    "base.tsv",
-                                    "disks.tsv",
-                                    "wells.tsv",
-                                    "scene.cfg",
-                                    ".repose",
-                                    "array.sh",
-                                    "pic.svg",
-                                    "runs.tsv",
-                                    "w.tsv",
-                                    "damaged.sqlite",
-                                    "notes [1].txt",
-                                    "*",
-                                    "?",
-                                    "-x",
-                                    "unfinished/notes.txt",
-                                    "unfinished/states.tsv",
-                                    "unfinished/snapshot",
-                                    "snapshots/photo.png",
-                                    "snapshots/0123456789abcdef0123456789abcdef",
-                                    "run_frames/mine.vtp",
-                                    "run_frames/grains_000000.vtp",
-                                    "shards/mine",
-                                    "shards/1-of-2.sqlite.lock",
-                                    "store.sqlite",
-                                    ".repose.new",
-                                    "unfinished/.repose.new",
-                                    "store.sqlite-wal"};
-enum { N_NAMES = sizeof names / sizeof *names, RESERVED = N_NAMES - 4 };
+/* One of each in a line; the last four are never empty files. */
+static const char names[] =
+    "states.tsv\nenergy.tsv\ncontacts.tsv\nunfinished\nunfinished.moving\nunfinished.moving/notes.txt\nlock\n"
+    "sweep.cfg\nsnapshots\nshards\nrun.xyz\nrun.pvd\nrun_frames\nbase.tsv\ndisks.tsv\nwells.tsv\nscene.cfg\n"
+    ".repose\narray.sh\npic.svg\nruns.tsv\nw.tsv\ndamaged.sqlite\nnotes [1].txt\n*\n?\n-x\n"
+    "unfinished/notes.txt\nunfinished/states.tsv\nunfinished/snapshot\nsnapshots/photo.png\n"
+    "snapshots/0123456789abcdef0123456789abcdef\nrun_frames/mine.vtp\nrun_frames/grains_000000.vtp\n"
+    "shards/mine\nshards/1-of-2.sqlite.lock\nstore.sqlite\n.repose.new\nunfinished/.repose.new\n"
+    "store.sqlite-wal";
+enum { N_NAMES = 40, RESERVED = N_NAMES - 4 };
 
-/* `sh` with this line. */
-static void each_line(const char *format, ...) __attribute__((format(printf, 1, 2)));
-static void each_line(const char *format, ...)
+static rlim_t most_bytes; /* of a file of the program, unless 0 */
+
+static void limit_files(void)
 {
-    char line[512];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(line, sizeof line, format, args);
-    va_end(args);
-    CU_ASSERT(system(line) == 0);
+    if (most_bytes > 0) setrlimit(RLIMIT_FSIZE, &(struct rlimit){most_bytes, most_bytes});
 }
-
-int repose_main(int argc, char **argv); /* of tests/fuzz/targets.c */
 
 /* The program in this process's folder; `most` bytes a file, unless 0. */
 static void run_words(const char *text, rlim_t most)
 {
-    char line[640], *words[20], *save;
-    int n = 0, end;
-    snprintf(line, sizeof line, "repose %s", text);
-    for (char *word = strtok_r(line, " ", &save); word; word = strtok_r(NULL, " ", &save)) words[n++] = word;
-    words[n] = NULL;
-    const pid_t child = fork();
-    if (child == 0) {
-        if (!freopen("out", "w", stdout) || !freopen("err", "w", stderr)) _exit(99);
-        if (most > 0) setrlimit(RLIMIT_FSIZE, &(struct rlimit){most, most});
-        exit(repose_main(n, words));
-    }
-    CU_ASSERT_FATAL(waitpid(child, &end, 0) == child);
-    CU_ASSERT(WIFEXITED(end) && WEXITSTATUS(end) != 99 && WEXITSTATUS(end) != 70);
+    most_bytes = most;
+    const int end = run_forked(text, limit_files);
+    CU_ASSERT(end < 128 && end != 99 && end != 70);
 }
 
 static void test_random_folders(void)
@@ -307,7 +253,9 @@ static void test_random_folders(void)
     for (size_t k = 0; k < rounds; k++) {
         char line[2][160];
         const size_t start = draw(5);
-        each_line("rm -rf d side && mkdir side && echo notes >side/notes && %s", starts[start]);
+        snprintf(path, sizeof path, "rm -rf d side && mkdir side && echo notes >side/notes && %s",
+                 starts[start]);
+        CU_ASSERT(system(path) == 0);
         mine.n = 0;
         put("side/none", 0, false);
         strcpy(mine.of[mine.n].path, "side/notes");
@@ -318,7 +266,11 @@ static void test_random_folders(void)
         if (start == 1 && draw(3) == 0) unlink("d/run_frames/grains_000000.vtp");
         for (size_t n = 1 + draw(6); n > 0; n--) {
             const size_t i = draw(N_NAMES);
-            snprintf(path, sizeof path, "d/%s", names[i]);
+            const char *from = names;
+            char name[128] = "";
+            for (size_t at = 0; at <= i; at++) CU_ASSERT_FATAL(check_word(&from, "\n", name));
+            CU_ASSERT((*from == '\0') == (i == N_NAMES - 1)); /* the list has as many */
+            snprintf(path, sizeof path, "d/%s", name);
             put(path, draw(4), i >= RESERVED);
         }
         kept += mine.n;

@@ -10,6 +10,7 @@
 
 #include "dem/scene/scene.h"
 #include "tests/check.h"
+#include "tests/folder.h"
 #include "tests/fuzz/targets.h"
 #include "tests/grains.h"
 #include "tests/numbers.h"
@@ -21,18 +22,16 @@ static char corpus[PATH_MAX];
 /* Run each file of the target's folder; `path` is the last one. */
 static int replay(const fuzz_target *target, char path[])
 {
-    static char bytes[MOST_BYTES], name[PATH_MAX];
+    static char name[PATH_MAX];
     snprintf(name, sizeof name, "%.4000s/%s", corpus, target->name);
     DIR *folder = opendir(name);
     int n = 0;
     for (struct dirent *e; folder && (e = readdir(folder));) {
         if (e->d_name[0] == '.') continue;
         snprintf(path, PATH_MAX, "%.2000s/%.255s", name, e->d_name);
-        FILE *in = fopen(path, "r");
-        if (!in) return 0;
-        const size_t size = fread(bytes, 1, sizeof bytes, in);
-        fclose(in);
-        fuzz_run(target, size, bytes);
+        size_t size;
+        scoped char *bytes = file_read(path, &size);
+        fuzz_run(target, size < MOST_BYTES ? size : MOST_BYTES, bytes);
         n++;
     }
     if (folder) closedir(folder);
@@ -75,7 +74,7 @@ static void write_key(FILE *out, gsl_rng *r, const rp_param *p)
                                         "1e9", "1e30",   "1e300",  "1e304", "-1e-9", "-1e300", "-1.0"};
     static const char *const wholes[] = {"0", "1", "2", "8", "2147483647"};
     _Alignas(max_align_t) char values[4096];
-    char words[256], *save, *chosen = NULL;
+    char chosen[128] = "";
     const char *number = p->type == RP_INT ? wholes[gsl_rng_uniform_int(r, sizeof wholes / sizeof *wholes)]
                                            : reals[gsl_rng_uniform_int(r, sizeof reals / sizeof *reals)];
     /* the damping that leaves next to no speed takes half a minute to find */
@@ -84,10 +83,10 @@ static void write_key(FILE *out, gsl_rng *r, const rp_param *p)
         fprintf(out, "%s = %s; ", p->name, number);
     if (p->type == RP_BOOL) fprintf(out, "%s = %s; ", p->name, gsl_rng_uniform_int(r, 2) ? "true" : "false");
     if (p->type != RP_CHOICE) return;
-    snprintf(words, sizeof words, "%s", p->range);
+    const char *words = p->range;
     size_t n = 0;
-    for (char *word = strtok_r(words, " |", &save); word; word = strtok_r(NULL, " |", &save))
-        if (gsl_rng_uniform_int(r, ++n) == 0) chosen = word;
+    for (char word[128]; check_word(&words, " |", word);)
+        if (gsl_rng_uniform_int(r, ++n) == 0) strcpy(chosen, word);
     fprintf(out, "%s = \"%s\"; ", p->name, chosen);
 }
 
@@ -126,14 +125,16 @@ static void extreme_scenes(void)
     enum { SCENES = 400, LEAST_RUN = 60 };
     int n_run = 0, n_bad = 0;
     for (unsigned long i = 0; i < SCENES; i++) {
-        char path[] = "/tmp/repose_extreme_XXXXXX", text[8192] = "";
-        FILE *out = fdopen(mkstemp(path), "w");
+        char text[8192] = "";
+        scoped char *written = NULL;
+        size_t size;
+        FILE *out = open_memstream(&written, &size);
         scoped_rng *r = numbers_of(18, i);
         write_extreme(out, r);
         fclose(out);
         scoped_scene scene = {0};
         scoped_sim *sim = NULL;
-        rp_status status = dem_scene_read(path, NULL, &scene);
+        rp_status status = grains_read(written, NULL, &scene);
         scene.def.implicit.max_iterations = 20;
         if (!status) status = dem_scene_start(&scene, &sim);
         if (!status) status = dem_run(sim, 20);
@@ -143,7 +144,6 @@ static void extreme_scenes(void)
         n_run += !status;
         if (!status && (strstr(text, "nan") || strstr(text, "inf")))
             n_bad++, fprintf(stderr, "scene %lu: %s\n", i, text);
-        unlink(path);
     }
     CU_ASSERT(n_run >= LEAST_RUN && n_bad == 0);
     if (n_run < LEAST_RUN) fprintf(stderr, "%d of %d scenes ran\n", n_run, SCENES);

@@ -11,6 +11,7 @@
 #include "sweeps/engine/experiment.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
+#include "tests/folder.h"
 #include "tests/grains.h"
 #include "tests/protocol.h"
 
@@ -21,14 +22,14 @@ enum { GOLDEN_VERSION = 3 };
  * or so. */
 static const double ANGLE_TOLERANCE_DEG = 1e-9;
 
-enum { MAX_SETTINGS = 16 };
+enum { MAX_HASHED = 32 };
 
 /* Settings NAME=VALUE and names of outputs that are hashed, with blanks between them. A run without the
  * latter only tests/golden.txt holds. */
 typedef struct {
     const char *protocol, *settings, *hashed, *status;
     uint64_t digest;
-    check_value angles[11];
+    const char *angles; /* NAME=VALUE */
 } golden_run;
 
 static const char repose_hashed[] =
@@ -52,69 +53,27 @@ static const char drop_hashed[] =
 /* The second run of `repose`: the other floor, spring and mass, a lifted wall, contacts without attraction.
  */
 static const golden_run runs[] = {
-    {"repose",
-     "W=2 H=2 theta_t=true",
-     repose_hashed,
-     "ok",
-     0x69f885c6c90388ee,
-     {{"theta_r1_deg", 22.608706582791452},
-      {"theta_r2_deg", 18.815473553970179},
-      {"theta_r3_deg", 18.30022251707566}}},
+    {"repose", "W=2 H=2 theta_t=true", repose_hashed, "ok", 0x69f885c6c90388ee,
+     "theta_r1_deg=22.608706582791452 theta_r2_deg=18.815473553970179 theta_r3_deg=18.30022251707566"},
     {"repose",
      "W=2 H=2 floor=ends slip=total stop=steps fill_steps=6000 relax_steps=4000 shape=disk open=100 "
      "tension=false",
-     repose_hashed,
-     "ok_fixed_time",
-     0x1fa9841e0524b556,
-     {{"theta_r1_deg", 26.124650436934175},
-      {"theta_r2_deg", 18.224371711593523},
-      {"theta_r3_deg", 12.736310147046545}}},
-    {"flux",
-     "W=1.4 insertions=120 avalanche=2 drop_height=1",
-     flux_hashed,
-     "ok",
-     0xeb77f06b1de2a1a7,
-     {{"theta_deg", 15.937506562799364},
-      {"theta_sd_deg", 6.1207856161898553},
-      {"theta_max_deg", 33.042196553399904}}},
-    {"pile",
-     "base=20 alpha_deg=30 disorder=1e-4 well=10",
-     pile_hashed,
-     "ok",
-     0xccfb61335d8449d0,
-     {{"D", 0.22332242852920325},
-      {"H_ratio", 1.3531349113022209},
-      {"N_error_rms", 0.080162131496141514},
-      {"N_continuum_rms", 0.046214916864963797}}},
-    {"stress",
-     "W=2 H=2",
-     stress_hashed,
-     "ok",
-     0xe0da2cde73d7c18a,
-     {{"theta_r3_deg", 18.30022251707566},
-      {"floor_tilt_deg", 12.129609284937734},
-      {"n_0", 0.57734545187972242},
-      {"n_1", -0.027938305390767484},
-      {"h_0", 0.048157327989494722},
-      {"h_1", 0.30760390526714404},
-      {"sxx_0", 0.74586531836112901},
-      {"sxy_0", -0.21902502432444304},
-      {"syx_1", -0.12825093952911693},
-      {"syy_1", -0.12225664625404206}}},
-    {"onset",
-     "W=2 H=2",
-     onset_hashed,
-     "ok",
-     0xcd19fa6f329f6201,
-     {{"theta_r3_deg", 18.30022251707566},
-      {"theta_t_displacement_deg", 5.4399999999999284},
-      {"theta_steepest_deg", 31.027190318490319}}},
-    {"drop",
-     "N=60 radius_width=0.03 source_width=5 rest_force=0.1",
-     drop_hashed,
-     "ok",
-     0x6c319f6307257f63,
-     {{"left_deg", 21.184612925174505}, {"right_deg", 34.218076651644886}}},
+     repose_hashed, "ok_fixed_time", 0x1fa9841e0524b556,
+     "theta_r1_deg=26.124650436934175 theta_r2_deg=18.224371711593523 theta_r3_deg=12.736310147046545"},
+    {"flux", "W=1.4 insertions=120 avalanche=2 drop_height=1", flux_hashed, "ok", 0xeb77f06b1de2a1a7,
+     "theta_deg=15.937506562799364 theta_sd_deg=6.1207856161898553 theta_max_deg=33.042196553399904"},
+    {"pile", "base=20 alpha_deg=30 disorder=1e-4 well=10", pile_hashed, "ok", 0xccfb61335d8449d0,
+     "D=0.22332242852920325 H_ratio=1.3531349113022209 N_error_rms=0.080162131496141514 "
+     "N_continuum_rms=0.046214916864963797"},
+    {"stress", "W=2 H=2", stress_hashed, "ok", 0xe0da2cde73d7c18a,
+     "theta_r3_deg=18.30022251707566 floor_tilt_deg=12.129609284937734 n_0=0.57734545187972242 "
+     "n_1=-0.027938305390767484 h_0=0.048157327989494722 h_1=0.30760390526714404 sxx_0=0.74586531836112901 "
+     "sxy_0=-0.21902502432444304 syx_1=-0.12825093952911693 syy_1=-0.12225664625404206"},
+    {"onset", "W=2 H=2", onset_hashed, "ok", 0xcd19fa6f329f6201,
+     "theta_r3_deg=18.30022251707566 theta_t_displacement_deg=5.4399999999999284 "
+     "theta_steepest_deg=31.027190318490319"},
+    {"drop", "N=60 radius_width=0.03 source_width=5 rest_force=0.1", drop_hashed, "ok", 0x6c319f6307257f63,
+     "left_deg=21.184612925174505 right_deg=34.218076651644886"},
     {"repose",
      "W=1.6 H=1.6 rotation=true mu_roll=0.1 fill=ramp gamma_n=2000 theta_t=true theta_t_static=true "
      "tilt_rate_deg=0.01",
@@ -154,24 +113,16 @@ static void check_digest(const char *what, uint64_t digest, uint64_t golden)
     CU_ASSERT(same);
 }
 
-/* The key of stored runs: an accidental change loses all stored runs. */
-static const struct {
-    const char *name, *value;
-} fingerprints[] = {{"pile", "c7a1768420111129d3b453153b2511ef"}};
-enum { N_FINGERPRINTS = sizeof fingerprints / sizeof *fingerprints };
+/* Of the key of stored runs of `pile`: an accidental change loses all stored runs. */
+static const char FINGERPRINT[] = "c7a1768420111129d3b453153b2511ef";
 
 /* An output of number `run` of the list above, from 1 on, with the pile `pile`. False: the file lacks it.
  * Rows: run, pile, output, value. */
 static bool known_output(size_t run, unsigned long pile, const char *name, double *value)
 {
-    static char text[1 << 17];
+    static char *text;
     char key[128];
-    if (!*text) {
-        FILE *in = fopen("tests/golden.txt", "r");
-        CU_ASSERT_PTR_NOT_NULL_FATAL(in);
-        CU_ASSERT(fread(text, 1, sizeof text - 1, in) < sizeof text - 1);
-        fclose(in);
-    }
+    if (!text) text = file_read("tests/golden.txt", &(size_t){0});
     snprintf(key, sizeof key, "\n%zu\t%lu\t%s\t", run, pile, name);
     const char *row = strstr(text, key);
     if (row) *value = strtod(row + strlen(key), NULL);
@@ -201,44 +152,32 @@ static void check_outputs(size_t run, unsigned long pile, const sweep_protocol *
     }
 }
 
-/* The words between blanks and = of a text; returns their number. */
-static size_t split(const char *text, char words[512], char *word[2 * MAX_SETTINGS])
-{
-    size_t n = 0;
-    char *save;
-    snprintf(words, 512, "%s", text);
-    for (char *w = strtok_r(words, " =", &save); w && n < 2 * MAX_SETTINGS; w = strtok_r(NULL, " =", &save))
-        word[n++] = w;
-    return n;
-}
-
 static void check_run(const golden_run *g, unsigned long pile)
 {
     const sweep_protocol *p = find_protocol(g->protocol);
     CU_ASSERT_PTR_NOT_NULL_FATAL(p);
     CHECK_OK(sweep_protocol_open(p, NULL, NULL, &p));
-    scoped void *params = protocol_params(p, (const char *const[]){NULL});
+    scoped void *params = PROTOCOL_PARAMS(p, g->settings);
     sweep_result result;
-    char words[512], *word[2 * MAX_SETTINGS];
-    for (size_t n = split(g->settings, words, word), k = 0; k < n; k += 2) {
-        sweep_protocol_also(p, word[k]);
-        const rp_param *param = rp_params_find(p->schema, word[k]);
-        CU_ASSERT_PTR_NOT_NULL_FATAL(param);
-        CHECK_OK(rp_params_set_text(param, params, word[k + 1]));
-    }
     CHECK_OK(p->check(params));
     CHECK_OK(p->run(params, 1993, pile, NULL, &result));
     CU_ASSERT_STRING_EQUAL(result.status, g->status);
 
-    double values[2 * MAX_SETTINGS];
-    const size_t n = split(g->hashed, words, word);
-    for (size_t k = 0; k < n; k++) {
-        double v = protocol_output(p, &result, word[k]);
-        values[k] = isnan(v) ? NAN : v; /* NaN has many bit patterns */
+    double values[MAX_HASHED];
+    size_t n = 0;
+    const char *names = g->hashed;
+    for (char name[128]; check_word(&names, " ", name); n++) {
+        CU_ASSERT_FATAL(n < MAX_HASHED);
+        const double v = protocol_output(p, &result, name);
+        values[n] = isnan(v) ? NAN : v; /* NaN has many bit patterns */
     }
     if (n > 0) check_digest(g->protocol, XXH3_64bits(values, n * sizeof *values), g->digest);
-    for (const check_value *a = g->angles; a->name; a++)
-        CHECK_NEAR(protocol_output(p, &result, a->name), a->value, ANGLE_TOLERANCE_DEG);
+    const char *angles = g->angles;
+    for (char angle[128]; angles && check_word(&angles, " ", angle);) {
+        char *const value = strchr(angle, '=');
+        *value = '\0';
+        CHECK_NEAR(protocol_output(p, &result, angle), strtod(value + 1, NULL), ANGLE_TOLERANCE_DEG);
+    }
     check_outputs((size_t)(g - runs) + 1, pile, p, &result);
     sweep_protocol_close(p);
 }
@@ -262,20 +201,18 @@ static void test_fingerprints(void)
     for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
         if ((*p)->text) continue;
         char digits[33];
-        size_t k = 0;
-        while (k < N_FINGERPRINTS && strcmp(fingerprints[k].name, (*p)->name) != 0) k++;
-        CU_ASSERT_FATAL(k < N_FINGERPRINTS);
+        CU_ASSERT_STRING_EQUAL((*p)->name, "pile");
         CHECK_OK((*p)->fingerprint(digits));
         n++;
-        if (strcmp(digits, fingerprints[k].value) != 0)
+        if (strcmp(digits, FINGERPRINT) != 0)
             fprintf(
                 stderr,
                 "protocol %s: fingerprint %s, expected %s.\nIts stored runs are lost: if that is meant, put "
                 "the new one into %s.\n",
-                (*p)->name, digits, fingerprints[k].value, __FILE__);
-        CU_ASSERT_STRING_EQUAL(digits, fingerprints[k].value);
+                (*p)->name, digits, FINGERPRINT, __FILE__);
+        CU_ASSERT_STRING_EQUAL(digits, FINGERPRINT);
     }
-    CU_ASSERT(n == N_FINGERPRINTS);
+    CU_ASSERT(n == 1);
 }
 
 /* A box is filled, and opened while gravity rotates. */
@@ -284,23 +221,17 @@ static void test_scene(void)
     enum { N = 100 };
     dem_fill fill = {N, 2.0, 3.5, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 1993, 0};
     dem_grain grains[N];
-    dem_definition def = dem_definition_default();
+    CHECK_OK(dem_fill_grains(&fill, grains, &(size_t){0}));
+    dem_definition def = grains_of(N, grains);
     dem_material wall = def.material;
     wall.k_n *= 2.0;
     dem_box_walls(&def, 2.0, &wall);
-    def.grains = grains, def.n_grains = N;
-    scoped_sim *sim = NULL;
-    CHECK_OK(dem_fill_grains(&fill, grains, &(size_t){0}));
-    CHECK_OK(dem_create(&def, &sim));
-    CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
-    CHECK_OK(dem_run(sim, 1500));
+    scoped_sim *sim = grains_after(&def, 1500);
     dem_wall_open(sim, 2, INFINITY);
     dem_gravity_turn(sim, 2.385e-5);
     CHECK_OK(dem_run(sim, 500));
     CU_ASSERT_FATAL(dem_count(sim) == N);
-    dem_counts counts;
-    dem_count_work(sim, &counts);
-    CU_ASSERT(counts.contacts > N); /* not grains in free fall */
+    CU_ASSERT(grains_counts(sim).contacts > N); /* not grains in free fall */
     dem_state states[N];
     double values[N][6];
     CHECK_OK(dem_states(sim, states));

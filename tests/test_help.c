@@ -1,6 +1,5 @@
 /* Help, manual, completion and lists of parameters: whole texts, put together a second time from the
  * commands' own words and schemas. */
-#include <ctype.h>
 #include <jansson.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -41,6 +40,17 @@ static void line_is(const char *format, ...)
 static void text_ends(void)
 {
     CU_ASSERT(rest && *rest == '\0');
+}
+
+/* The next line of what is expected; false at its end. */
+enum { MOST = 4096 };
+static bool next_line(const char **text, char line[static MOST])
+{
+    const size_t length = strcspn(*text, "\n");
+    const bool there = **text != '\0';
+    snprintf(line, MOST, "%.*s", (int)length, *text);
+    *text += length + ((*text)[length] == '\n');
+    return there;
 }
 
 /* Words of a text in lines of at most `width`, the first of which has begun with `start`, the others with so
@@ -120,16 +130,13 @@ static const char *own_name(const cli_command *c)
 /* The description: paragraphs are filled, lines that begin with a blank stand as they are. */
 static void check_about(const char *about, int width)
 {
-    char text[8192] = "", line[4096];
-    for (const char *from = about; *from;) {
-        const size_t length = strcspn(from, "\n");
-        snprintf(line, sizeof line, "%.*s", (int)length, from);
+    char text[8192] = "", line[MOST];
+    while (next_line(&about, line)) {
         if (*text && (!*line || *line == ' ')) filled("", text, 0, width), *text = '\0';
         if (!*line || *line == ' ')
             line_is("%s", line);
         else
             strcat(strcat(text, line), "\n");
-        from += length + (from[length] == '\n');
     }
     if (*text) filled("", text, 0, width);
 }
@@ -140,7 +147,7 @@ static void check_help(const cli_command *c)
 {
     const char *variable = strcmp(typed, "report") == 0 ? "REPORT" : "REPOSE";
     option options[64];
-    char start[80], text[1024];
+    char start[80], text[1024], line[MOST];
     for (int width = 60; width <= 110; width += 40) {
         CU_ASSERT_EQUAL_FATAL(shell_line("COLUMNS=%d \"$%s\" %s --help >out 2>err", width, variable, c->name),
                               0);
@@ -154,9 +161,8 @@ static void check_help(const cli_command *c)
             text_ends();
             return;
         }
-        for (const char *line = c->synopsis; *line; line += strcspn(line, "\n"), line += *line == '\n') {
-            snprintf(text, sizeof text, "%.*s", (int)strcspn(line, "\n"), line);
-            filled(start, text, 11, width);
+        for (const char *from = c->synopsis; next_line(&from, line);) {
+            filled(start, line, 11, width);
             snprintf(start, sizeof start, "       %s %s ", typed, c->name);
         }
         line_is("%s", "");
@@ -171,10 +177,7 @@ static void check_help(const cli_command *c)
         line_is("  %-22s this text", "--help");
         line_is("%s", "");
         line_is("refuses:");
-        for (const char *line = c->refuses; *line; line += strcspn(line, "\n"), line += *line == '\n') {
-            snprintf(text, sizeof text, "%.*s", (int)strcspn(line, "\n"), line);
-            filled("  ", text, 4, width);
-        }
+        for (const char *from = c->refuses; next_line(&from, line);) filled("  ", line, 4, width);
         line_is("%s", "");
         line_is("example:");
         line_is("  %s", c->example);
@@ -223,17 +226,16 @@ static void test_orders(void)
                   {&cmd_view, "with columns x, y, r."},
                   {&report_page, "in short: paper, here, verdict\n"}};
     for (size_t k = 0; k < sizeof orders / sizeof *orders; k++)
-        CU_ASSERT_PTR_NOT_NULL(strstr(orders[k].command->about, orders[k].words));
+        CHECK_PARTS(orders[k].command->about, orders[k].words);
 }
 
 /* Is there a row of CHANGELOG.md with both? The second is read to its first comma or semicolon. */
 static bool is_told_of(const char *changes, const char *name, const char *instead)
 {
-    char line[512], plain[512], first[128];
+    char line[MOST], plain[MOST], first[128];
     snprintf(first, sizeof first, "%.*s", (int)strcspn(instead, ",;"), instead);
-    for (; *changes; changes += strcspn(changes, "\n"), changes += *changes == '\n') {
+    while (next_line(&changes, line)) {
         char *to = plain;
-        snprintf(line, sizeof line, "%.*s", (int)strcspn(changes, "\n"), changes);
         for (const char *c = line; *c; c++)
             if (*c != '`') *to++ = *c;
         *to = '\0';
@@ -268,28 +270,24 @@ static rp_status nothing(cli_call *call, const void *values)
 /* A command has any number of options, with names of any length, and values of any size. */
 static void test_room(void)
 {
-    enum { MOST = 100, FAR = 100000 };
-    static rp_param rows[MOST + 1];
+    enum { MANY = 100, FAR = 100000 };
+    static rp_param rows[MANY + 1];
     static const char long_name[] = "abcdefghijklmnopqrstuvwxyz_0123456789_abcdefghijklmnopqrstuvwxyz";
     rp_arena arena = {0};
     cli_call call = {.arena = &arena, .program = &cli_repose};
     char name[] = "many", needed[] = "--needed";
-    cli_command c = {.name = name,
-                     .protocol = rows,
-                     .protocol_size = FAR * MOST,
-                     .prints_text = true,
-                     .synopsis = "[options]",
-                     .act = nothing};
-    for (int i = 0; i < MOST; i++) rows[i] = (rp_param){"a", "", RP_TEXT, FAR * i, "of a", "", "", false};
+    cli_command c = {.name = name, .protocol = rows, .protocol_size = FAR * MANY, .prints_text = true};
+    c.synopsis = "[options]", c.act = nothing;
+    for (int i = 0; i < MANY; i++) rows[i] = (rp_param){"a", "", RP_TEXT, FAR * i, "of a", "", "", false};
     rows[3].name = long_name;
     cli_options_of(&call, &c);
-    CU_ASSERT(call.options[MOST - 1].name && !call.options[MOST].name && call.n_own == MOST);
+    CU_ASSERT(call.options[MANY - 1].name && !call.options[MANY].name && call.n_own == MANY);
     CU_ASSERT_STRING_EQUAL(call.options[3].name,
                            "abcdefghijklmnopqrstuvwxyz-0123456789-abcdefghijklmnopqrstuvwxyz");
-    for (size_t i = 0; i < MOST; i++)
+    for (size_t i = 0; i < MANY; i++)
         CU_ASSERT_STRING_EQUAL(*(const char **)((char *)call.values + FAR * i), "of a");
     CHECK_OK(cli_run(&call, &c, 1, (char *[]){name, NULL}));
-    for (int i = 0; i < MOST; i += MOST - 1) { /* the first and the last one are required */
+    for (int i = 0; i < MANY; i += MANY - 1) { /* the first and the last one are required */
         rows[i].fallback = NULL;
         rows[i].name = "needed";
         CHECK_FAILS(cli_run(&call, &c, 1, (char *[]){name, NULL}), RP_USAGE, "--needed is required");
@@ -376,9 +374,8 @@ static void item_is(const char *dashes, const char *name, const char *text)
 /* Lines in the form of the text are indented, with a blank line before and after. */
 static void lines_are(const char *text)
 {
-    char line[4096];
-    for (bool kept = false; *text; text += strcspn(text, "\n"), text += *text == '\n') {
-        snprintf(line, sizeof line, "%.*s", (int)strcspn(text, "\n"), text);
+    char line[MOST];
+    for (bool kept = false; next_line(&text, line);) {
         if (*line && kept != (*line == ' ')) {
             kept = !kept;
             line_is("%s", "");
@@ -411,7 +408,7 @@ static void schema_is(const rp_param *schema)
 
 static void command_is(const cli_command *c)
 {
-    char text[1024];
+    char text[1024], line[MOST];
     option options[64];
     title_is("## repose ", c->name);
     if (c->group) {
@@ -419,9 +416,7 @@ static void command_is(const cli_command *c)
         return; /* `each` continues with its commands */
     }
     snprintf(text, sizeof text, "**repose %s** ", c->name);
-    for (const char *way = c->synopsis; *way; way += strcspn(way, "\n"), way += *way == '\n') {
-        char line[4096];
-        snprintf(line, sizeof line, "%.*s", (int)strcspn(way, "\n"), way);
+    for (const char *from = c->synopsis; next_line(&from, line);) {
         marked(text, line, "");
         line_is("%s", "");
     }
@@ -432,9 +427,7 @@ static void command_is(const cli_command *c)
         item_is(name - options[i].typed == 2 ? "\\-\\-" : "\\-", name, text_of(options[i].p, text));
     }
     snprintf(text, sizeof text, "Refuses: ");
-    for (const char *way = c->refuses; *way; way += strcspn(way, "\n"), way += *way == '\n') {
-        char line[4096];
-        snprintf(line, sizeof line, "%.*s", (int)strcspn(way, "\n"), way);
+    for (const char *from = c->refuses; next_line(&from, line);) {
         marked(text, line, "");
         *text = '\0';
     }
@@ -572,122 +565,13 @@ static const char *type_of(const rp_param *p)
     return words[p->type];
 }
 
-static void schema_lines(const rp_param *schema, bool si)
-{
-    char text[64];
-    line_is("# %-25s %-10s %-6s %-12s %-34s %s", "name", "unit", "type", "default", "range", "meaning");
-    for (const rp_param *p = schema; p->name; p++)
-        line_is("  %-25s %-10s %-6s %-12s %-34s %s", p->name, or_dash(rp_unit(p->unit)), type_of(p),
-                default_of(p, si, text), p->type == RP_BOOL ? "true | false" : or_dash(p->range), p->meaning);
-}
-
-static void protocol_lines(const sweep_protocol *protocol, bool si)
-{
-    line_is("# protocol %s: %s", protocol->name, protocol->about);
-    schema_lines(protocol->schema, si);
-    if (protocol->context) {
-        char also[1024] = "# for sweeps also these of a scene:";
-        for (const dem_named_key *k = dem_named_keys; k->key; k++)
-            if (!rp_params_find(protocol->schema, k->param.name)) strcat(strcat(also, " "), k->param.name);
-        line_is("%s", also);
-    }
-    line_is("# outputs of protocol %s", protocol->name);
-    line_is("# %-36s %-10s %s", "name", "unit", "meaning");
-    for (const sweep_output *o = protocol->outputs; o->name; o++)
-        line_is("  %-36s %-10s %s", o->name, or_dash(rp_unit(o->unit)), o->meaning);
-}
-
-/* Each word of a choice has a manual. */
-static void manual_lines(const rp_param *schema)
-{
-    for (const rp_param *p = schema; p->name; p++) {
-        CU_ASSERT(!p->manual || p->type == RP_CHOICE);
-        int k = 0;
-        for (const char *word = p->range, *end; p->manual && *word; word = *end ? end + 3 : end, k++) {
-            end = word + strcspn(word, " ");
-            CU_ASSERT(strlen(p->manual[k]) > 10);
-            line_is("#   %s = %.*s: %s", p->name, (int)(end - word), word, p->manual[k]);
-        }
-    }
-}
-
-static void scene_lines(bool si)
-{
-    for (const dem_scene_group *g = dem_scene_schemas; g->name; g++) {
-        line_is("# scene file, %s: %s", g > dem_scene_schemas ? g->name : "top level", g->manual);
-        schema_lines(g->schema, si);
-        manual_lines(g->schema);
-    }
-}
-
-static void experiment_lines(bool si)
-{
-    for (const exp_group *g = exp_groups; g->name; g++) {
-        line_is("# experiment, %s: %s", g->name, g->manual);
-        schema_lines(g->schema, si);
-    }
-    exp_group m;
-    for (size_t k = 0; (m = exp_module_at(k)).name; k++) {
-        line_is("# experiment, measure of = \"%s\": %s; a column is the measure's name with one of", m.name,
-                m.manual);
-        for (const exp_output *o = m.outputs; o->name; o++) {
-            const exp_output *first = o; /* a family of the bins stands in one line */
-            const size_t stem = strcspn(o->name, "0123456789");
-            char names[64];
-            while (o[1].name && strlen(o->name) == stem + 2 && strlen(o[1].name) == stem + 2 &&
-                   strncmp(o->name, o[1].name, stem) == 0)
-                o++;
-            snprintf(names, sizeof names, o > first ? "%s to %s" : "%s", first->name, o->name);
-            line_is("#   %-25s %-10s %s", names, or_dash(first->unit), first->meaning);
-        }
-        schema_lines(m.schema, si);
-    }
-    line_is("# experiment, what expressions may ask for, besides lets and earlier measures: %s",
-            rp_expression_functions);
-    line_is("# %-25s %-10s %-14s %s", "name", "unit", "of", "meaning");
-    exp_word w;
-    for (size_t k = 0; (w = exp_observable_at(k)).name; k++)
-        line_is("  %-25s %-10s %-14s %s", w.name, or_dash(rp_unit(w.unit)), w.of, w.meaning);
-}
-
-static void opened_lines(const sweep_protocol *p, bool si)
-{
-    CHECK_OK(sweep_protocol_open(p, NULL, NULL, &p));
-    sweep_protocol_in(p, si ? RP_SI : RP_CGS);
-    protocol_lines(p, si);
-    sweep_protocol_close(p);
-    rp_units_set(si ? RP_SI : RP_CGS);
-}
-
-/* What is asked for, blank lines between the protocols, the scene and experiments. */
-static void test_params(void)
-{
-    static const char *const words[] = {"params", "params --units si", "params scene --units si",
-                                        "params flux", "params experiment"};
-    for (size_t k = 0; k < 5; k++) {
-        const bool si = k == 1 || k == 2;
-        GOOD("%s", words[k]);
-        rest = out;
-        rp_units_set(si ? RP_SI : RP_CGS);
-        for (const sweep_protocol *const *p = sweep_protocols; *p && k < 2; p++) {
-            opened_lines(*p, si);
-            line_is("%s", "");
-        }
-        if (k < 3) scene_lines(si);
-        if (k == 3) opened_lines(&sweep_protocol_flux, si);
-        if (k < 2) line_is("%s", "");
-        if (k < 2 || k == 4) experiment_lines(si);
-        text_ends();
-    }
-    rp_units_set(RP_CGS);
-    FAILS(65, "\"fluxx\": unknown protocol (did you mean \"flux\"?); repose params lists them",
-          "params fluxx");
-    FAILS(65, "(did you mean \"scene\"?)", "params scen");
-}
-
-/* The next row of the table has these cells. */
+/* What is printed next: of --json a row, the next of these, else a line. */
 static json_t *rows;
 static size_t row_now;
+#define HEADING(...)                                                                                         \
+    do {                                                                                                     \
+        if (!rows) line_is(__VA_ARGS__);                                                                     \
+    } while (0)
 
 static void row_is(const char *const cells[8])
 {
@@ -706,51 +590,157 @@ static void row_is(const char *const cells[8])
     }
 }
 
-static void schema_rows(const char *of, const char *kind, const rp_param *schema, bool si)
+static void schema_is_listed(const char *of, const char *kind, const rp_param *schema, bool si)
 {
     char text[64];
-    for (const rp_param *p = schema; p->name; p++)
-        row_is((const char *[]){of, kind, p->name, or_dash(rp_unit(p->unit)), type_of(p),
-                                default_of(p, si, text), or_dash(p->range), p->meaning});
+    HEADING("# %-25s %-10s %-6s %-12s %-34s %s", "name", "unit", "type", "default", "range", "meaning");
+    for (const rp_param *p = schema; p->name; p++) {
+        const char *unit = or_dash(rp_unit(p->unit)), *fallback = default_of(p, si, text);
+        if (rows)
+            row_is((const char *[]){of, kind, p->name, unit, type_of(p), fallback, or_dash(p->range),
+                                    p->meaning});
+        else
+            line_is("  %-25s %-10s %-6s %-12s %-34s %s", p->name, unit, type_of(p), fallback,
+                    p->type == RP_BOOL ? "true | false" : or_dash(p->range), p->meaning);
+    }
+}
+
+static void protocol_is_listed(const sweep_protocol *protocol, bool si)
+{
+    HEADING("# protocol %s: %s", protocol->name, protocol->about);
+    schema_is_listed(protocol->name, "parameter", protocol->schema, si);
+    if (protocol->context) {
+        char also[1024] = "# for sweeps also these of a scene:";
+        for (const dem_named_key *k = dem_named_keys; k->key; k++)
+            if (!rp_params_find(protocol->schema, k->param.name)) strcat(strcat(also, " "), k->param.name);
+        HEADING("%s", also);
+    }
+    HEADING("# outputs of protocol %s", protocol->name);
+    HEADING("# %-36s %-10s %s", "name", "unit", "meaning");
+    for (const sweep_output *o = protocol->outputs; o->name; o++) {
+        const char *unit = or_dash(rp_unit(o->unit));
+        if (rows)
+            row_is((const char *[]){protocol->name, "output", o->name, unit, "real", "-", "-", o->meaning});
+        else
+            line_is("  %-36s %-10s %s", o->name, unit, o->meaning);
+    }
+}
+
+/* Each word of a choice has a manual. */
+static void manual_lines(const rp_param *schema)
+{
+    for (const rp_param *p = schema; p->name; p++) {
+        CU_ASSERT(!p->manual || p->type == RP_CHOICE);
+        int k = 0;
+        for (const char *word = p->range, *end; p->manual && *word; word = *end ? end + 3 : end, k++) {
+            end = word + strcspn(word, " ");
+            CU_ASSERT(strlen(p->manual[k]) > 10);
+            HEADING("#   %s = %.*s: %s", p->name, (int)(end - word), word, p->manual[k]);
+        }
+    }
+}
+
+static void scene_is_listed(bool si)
+{
+    for (const dem_scene_group *g = dem_scene_schemas; g->name; g++) {
+        const char *name = g > dem_scene_schemas ? g->name : "top level";
+        HEADING("# scene file, %s: %s", name, g->manual);
+        schema_is_listed("scene", name, g->schema, si);
+        manual_lines(g->schema);
+    }
+}
+
+static void experiments_are_listed(bool si)
+{
+    for (const exp_group *g = exp_groups; g->name; g++) {
+        HEADING("# experiment, %s: %s", g->name, g->manual);
+        schema_is_listed("experiment", g->name, g->schema, si);
+    }
+    exp_group m;
+    for (size_t k = 0; (m = exp_module_at(k)).name; k++) {
+        HEADING("# experiment, measure of = \"%s\": %s; a column is the measure's name with one of", m.name,
+                m.manual);
+        for (const exp_output *o = m.outputs; o->name; o++) {
+            const exp_output *first = o; /* a family of the bins stands in one line */
+            const size_t stem = strcspn(o->name, "0123456789");
+            char names[64];
+            while (o[1].name && strlen(o->name) == stem + 2 && strlen(o[1].name) == stem + 2 &&
+                   strncmp(o->name, o[1].name, stem) == 0)
+                o++;
+            snprintf(names, sizeof names, o > first ? "%s to %s" : "%s", first->name, o->name);
+            HEADING("#   %-25s %-10s %s", names, or_dash(first->unit), first->meaning);
+        }
+        schema_is_listed("experiment", m.name, m.schema, si);
+    }
+    HEADING("# experiment, what expressions may ask for, besides lets and earlier measures: %s",
+            rp_expression_functions);
+    HEADING("# %-25s %-10s %-14s %s", "name", "unit", "of", "meaning");
+    exp_word w;
+    for (size_t k = 0; (w = exp_observable_at(k)).name; k++) {
+        const char *unit = or_dash(rp_unit(w.unit));
+        if (rows)
+            row_is((const char *[]){"experiment", "observable", w.name, unit, "-", "-", w.of, w.meaning});
+        else
+            line_is("  %-25s %-10s %-14s %s", w.name, unit, w.of, w.meaning);
+    }
+}
+
+static void opened_is_listed(const sweep_protocol *p, bool si)
+{
+    CHECK_OK(sweep_protocol_open(p, NULL, NULL, &p));
+    sweep_protocol_in(p, si ? RP_SI : RP_CGS);
+    protocol_is_listed(p, si);
+    sweep_protocol_close(p);
+    rp_units_set(si ? RP_SI : RP_CGS);
+}
+
+/* What is asked for, blank lines between the protocols, the scene and experiments. */
+static void check_params(const char *command)
+{
+    const bool si = strstr(command, "si") != NULL, flux = strstr(command, "flux") != NULL,
+               experiment = strstr(command, "experiment") != NULL, scene = strstr(command, "scene") != NULL,
+               all = !flux && !experiment && !scene;
+    rp_units_set(si ? RP_SI : RP_CGS);
+    for (const sweep_protocol *const *p = sweep_protocols; *p && all; p++) {
+        opened_is_listed(*p, si);
+        HEADING("%s", "");
+    }
+    if (scene || all) scene_is_listed(si);
+    if (flux) opened_is_listed(&sweep_protocol_flux, si);
+    if (all) HEADING("%s", "");
+    if (experiment || all) experiments_are_listed(si);
+    rp_units_set(RP_CGS);
+}
+
+static void test_params(void)
+{
+    static const char *const words[] = {"params", "params --units si", "params scene --units si",
+                                        "params flux", "params experiment"};
+    for (size_t k = 0; k < 5; k++) {
+        GOOD("%s", words[k]);
+        rest = out;
+        check_params(words[k]);
+        text_ends();
+    }
+    FAILS(65, "\"fluxx\": unknown protocol (did you mean \"flux\"?); repose params lists them",
+          "params fluxx");
+    FAILS(65, "(did you mean \"scene\"?)", "params scen");
 }
 
 static void test_params_json(void)
 {
     static const char *const words[] = {"params --json", "params --json --units si", "params scene --json"};
     for (size_t k = 0; k < 3; k++) {
-        const bool si = k == 1;
         GOOD("%s", words[k]);
         json_t *all = json_loads(out, JSON_REJECT_DUPLICATES, NULL);
         CU_ASSERT_PTR_NOT_NULL_FATAL(all);
         rows = json_object_get(all, "rows");
         row_now = 0;
-        rp_units_set(si ? RP_SI : RP_CGS);
-        for (const sweep_protocol *const *p = sweep_protocols; *p && k < 2; p++) {
-            const sweep_protocol *opened;
-            CHECK_OK(sweep_protocol_open(*p, NULL, NULL, &opened));
-            sweep_protocol_in(opened, si ? RP_SI : RP_CGS);
-            schema_rows(opened->name, "parameter", opened->schema, si);
-            for (const sweep_output *o = opened->outputs; o->name; o++)
-                row_is((const char *[]){opened->name, "output", o->name, or_dash(rp_unit(o->unit)), "real",
-                                        "-", "-", o->meaning});
-            sweep_protocol_close(opened);
-            rp_units_set(si ? RP_SI : RP_CGS);
-        }
-        for (const dem_scene_group *g = dem_scene_schemas; g->name; g++)
-            schema_rows("scene", g == dem_scene_schemas ? "top level" : g->name, g->schema, si);
-        for (const exp_group *g = exp_groups; g->name && k < 2; g++)
-            schema_rows("experiment", g->name, g->schema, si);
-        exp_group m;
-        for (size_t i = 0; (m = exp_module_at(i)).name && k < 2; i++)
-            schema_rows("experiment", m.name, m.schema, si);
-        exp_word w;
-        for (size_t i = 0; (w = exp_observable_at(i)).name && k < 2; i++)
-            row_is((const char *[]){"experiment", "observable", w.name, or_dash(rp_unit(w.unit)), "-", "-",
-                                    w.of, w.meaning});
+        check_params(words[k]);
         CU_ASSERT_EQUAL(row_now, json_array_size(rows));
         json_decref(all);
     }
-    rp_units_set(RP_CGS);
+    rows = NULL;
 }
 
 CHECK_SUITE_WITHIN(help, "help", enter, leave, test_help, test_orders, test_removed, test_room,

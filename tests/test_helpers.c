@@ -57,8 +57,18 @@ static void bad_numbers(void)
     CHECK_NEAR(1.0, 1.0, -0x1p-60);
 }
 
+/* The same of pairs, and parts of a text. */
+static void bad_pairs(void)
+{
+    CHECK_PAIRS(0x1p-41, {1.0 + 0x1p-40, 1.0}, {1.0, 1.0}, {1.0 - 0x1p-40, 1.0}, {NAN, 1.0}, {1.0, NAN});
+    CHECK_PAIRS(NAN, {1.0, 1.0});
+    CHECK_PARTS("one two", "one", "three", "two", "twos");
+}
+
 static void good_numbers(void)
 {
+    CHECK_PAIRS(0x1p-40, {1.0 + 0x1p-40, 1.0}, {1.0 - 0x1p-40, 1.0}, {2.385, 2.385});
+    CHECK_PARTS("one two", "one", "e t", "two");
     CHECK_NEAR(1.0 + 0x1p-40, 1.0, 0x1p-40);
     CHECK_NEAR(1.0 - 0x1p-40, 1.0, 0x1p-40);
     CHECK_NEAR(2.385, 2.385, 0.0);
@@ -81,6 +91,7 @@ static void good_statuses(void)
 static void test_check(void)
 {
     CU_ASSERT_EQUAL(failures_of(bad_numbers), 8);
+    CU_ASSERT_EQUAL(failures_of(bad_pairs), 7);
     CU_ASSERT_EQUAL(failures_of(good_numbers), 0);
     CU_ASSERT_EQUAL(failures_of(bad_statuses), 4);
     CU_ASSERT_EQUAL(failures_of(good_statuses), 0);
@@ -337,13 +348,11 @@ static void test_solved_pile(void)
                     12); /* 7 + 4 + 1: row j has the middles with j <= 2/3 of the way to the nearer end */
     double N = 0.0, H = 0.0;
     for (size_t i = 0; i < pile.k; i++) N += pile.N[i], H += pile.H[i];
-    CHECK_NEAR(N, (double)pile.n, 1e-9);
-    CHECK_NEAR(H, 0.0, 1e-9);
+    CHECK_PAIRS(1e-9, {N, (double)pile.n}, {H, 0.0});
     check_lattice(&pile);
     const dem_definition def = solved_pile_scene(&pile, DEM_VERLET, 0.3, 0.02);
     const double omega = 1.0 / sqrt(eps);
-    CHECK_NEAR(def.dt * omega, 0.02, 1e-15);
-    CHECK_NEAR(def.material.gamma_n / omega, 0.3, 1e-15);
+    CHECK_PAIRS(1e-15, {def.dt * omega, 0.02}, {def.material.gamma_n / omega, 0.3});
     CHECK_NEAR(def.material.k_n, 1.0 / eps, 1e-8);
     CHECK_NEAR(def.ground.a, eps, 1e-18);
     CU_ASSERT(def.gravity[0] == 0.0 && def.gravity[1] == 0.0 && def.n_grains == pile.n);

@@ -53,14 +53,17 @@ static rp_status run(void *host, size_t stage, size_t *n, const double **x, cons
     return RP_OK;
 }
 
+static void end_noise(stand_in *s)
+{
+    rp_arena_end(&s->arena);
+    gsl_rng_free(s->noise);
+}
+#define scoped_stand_in __attribute__((cleanup(end_noise))) stand_in
+
 static stats_quest quest_of(stand_in *s, const double truth[], double error)
 {
-    stats_quest q = {.n_names = s->n_names,
-                     .n_numbers = s->n_numbers,
-                     .n_groups = 1,
-                     .budget = 4000,
-                     .host = s,
-                     .run = run};
+    stats_quest q = {.n_names = s->n_names, .n_numbers = s->n_numbers, .n_groups = 1, .budget = 4000};
+    q.host = s, q.run = run;
     for (size_t p = 0; p < q.n_names; p++) q.lo[p] = 0.0, q.hi[p] = 1.0;
     for (size_t k = 0; k < q.n_numbers; k++) {
         q.error[k] = error;
@@ -90,7 +93,7 @@ static double distance_from_normal(size_t n, double z[])
 static void planted(size_t n_names)
 {
     const size_t n = check_fast() ? 12 : n_names < 3 || check_full() ? 1000 : 120;
-    stand_in s = {.n_names = n_names, .n_numbers = n_names + 1, .scatter = {1.0, 0.8, 0.6, 0.5}};
+    scoped_stand_in s = {.n_names = n_names, .n_numbers = n_names + 1, .scatter = {1.0, 0.8, 0.6, 0.5}};
     scoped double *z = malloc(n * n_names * sizeof *z);
     size_t inside[STATS_NAMES] = {0}, used = 0, tried = 0, recovered = 0;
     s.noise = rp_random_alloc(2026, n_names, RP_PURPOSE_TEST);
@@ -123,7 +126,6 @@ static void planted(size_t n_names)
         CU_ASSERT(good && far < 1.95);
     }
     CU_ASSERT((double)recovered > (check_full() ? 0.8 : 0.7) * (double)tried);
-    gsl_rng_free(s.noise);
 }
 
 static void test_one(void)
@@ -143,7 +145,7 @@ static void test_three(void)
  * above it none. */
 static void test_arch(void)
 {
-    stand_in s = {.n_names = 1, .n_numbers = 1, .arch = true, .scatter = {0.5}};
+    scoped_stand_in s = {.n_names = 1, .n_numbers = 1, .arch = true, .scatter = {0.5}};
     stats_answer a;
     s.noise = rp_random_alloc(11, 1, RP_PURPOSE_TEST);
     stats_quest q = quest_of(&s, (double[STATS_NAMES]){0.5}, 0.3);
@@ -162,8 +164,6 @@ static void test_arch(void)
     q.value[0] = 36.0;
     CHECK_OK(stats_identify(&q, &a));
     CU_ASSERT(a.status[0] == STATS_IDENTIFIED_ABOVE_RANGE);
-    rp_arena_end(&s.arena);
-    gsl_rng_free(s.noise);
 }
 
 /* Numbers that all tell the same sum: that one is found, its parts are not. */
@@ -171,7 +171,7 @@ static void test_degenerate(void)
 {
     const size_t n = check_fast() ? 20 : 100;
     size_t said = 0, inside = 0;
-    stand_in s = {.n_names = 2, .n_numbers = 2, .degenerate = true, .scatter = {0.5, 0.5}};
+    scoped_stand_in s = {.n_names = 2, .n_numbers = 2, .degenerate = true, .scatter = {0.5, 0.5}};
     s.noise = rp_random_alloc(7, 1, RP_PURPOSE_TEST);
     for (size_t i = 0; i < n; i++) {
         const double truth[] = {0.3 + 0.4 * gsl_rng_uniform(s.noise), 0.4 + 0.2 * gsl_rng_uniform(s.noise)};
@@ -186,7 +186,6 @@ static void test_degenerate(void)
         CU_ASSERT(a.sum_error < 0.1);
     }
     CU_ASSERT((double)said >= 0.95 * (double)n && (double)inside > 0.9 * (double)n);
-    gsl_rng_free(s.noise);
 }
 
 static bool below(void *host, const double x[])
@@ -197,7 +196,7 @@ static bool below(void *host, const double x[])
 
 static void test_statuses(void)
 {
-    stand_in s = {.n_names = 1, .n_numbers = 1, .scatter = {1.0}};
+    scoped_stand_in s = {.n_names = 1, .n_numbers = 1, .scatter = {1.0}};
     stats_answer a;
     s.noise = rp_random_alloc(8, 1, RP_PURPOSE_TEST);
     stats_quest q = quest_of(&s, (double[STATS_NAMES]){0.5}, 0.4);
@@ -223,19 +222,14 @@ static void test_statuses(void)
     CHECK_FAILS(stats_identify(&q, &a), RP_BAD_INPUT, "the first stage needs 24 runs");
     q.budget = 400, q.hi[0] = 0.0;
     CHECK_FAILS(stats_identify(&q, &a), RP_BAD_INPUT, "range of name 1");
-    rp_arena_end(&s.arena);
-    gsl_rng_free(s.noise);
     /* only what is allowed */
-    stand_in t = {.n_names = 2, .n_numbers = 2, .scatter = {0.5, 0.5}};
+    scoped_stand_in t = {.n_names = 2, .n_numbers = 2, .scatter = {0.5, 0.5}};
     t.noise = rp_random_alloc(9, 1, RP_PURPOSE_TEST);
     stats_quest two = quest_of(&t, (double[STATS_NAMES]){0.6, 0.4}, 0.2);
     two.allowed = below, two.leave_out = true;
     CHECK_OK(stats_identify(&two, &a));
     CU_ASSERT(a.x[1] < a.x[0] && a.status[0] == STATS_IDENTIFIED_OK && a.tried > 10);
-    CHECK_NEAR(a.correlation[0][0], 1.0, 1e-12);
-    CHECK_NEAR(a.correlation[0][1], a.correlation[1][0], 1e-12);
-    rp_arena_end(&t.arena);
-    gsl_rng_free(t.noise);
+    CHECK_PAIRS(1e-12, {a.correlation[0][0], 1.0}, {a.correlation[0][1], a.correlation[1][0]});
 }
 
 CHECK_SUITE(identify, "identify", test_one, test_two, test_three, test_arch, test_degenerate, test_statuses)

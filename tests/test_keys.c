@@ -8,6 +8,7 @@
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/grains.h"
+#include "tests/protocol.h"
 
 enum { MOST_CANDIDATES = 24 };
 
@@ -36,7 +37,7 @@ static bool is_exception(const char *group, const char *key)
 /* Values to try instead of `now`: words of the range, or numbers near `now` and of several magnitudes. */
 typedef struct {
     size_t n;
-    char text[MOST_CANDIDATES][64];
+    char text[MOST_CANDIDATES][128];
 } candidates;
 
 static void add(candidates *c, const char *text)
@@ -56,10 +57,8 @@ static candidates find_candidates(const rp_param *p, const char *now)
         add(&c, "true");
         add(&c, "false");
     } else if (p->type == RP_CHOICE) {
-        char words[256], *rest = words, *word;
-        snprintf(words, sizeof words, "%s", p->range);
-        while ((word = strsep(&rest, "| ")))
-            if (*word) add(&c, word);
+        const char *words = p->range;
+        for (char word[128]; check_word(&words, "| ", word);) add(&c, word);
     } else {
         const bool real = p->type == RP_REAL;
         for (int k = 0; k < 3 && *now && !*end; k++) {
@@ -144,11 +143,11 @@ static char *outcome(const char *text, const char *change)
         dem_write_rows(DEM_TABLE_STATES, sim, out);
         dem_write_rows(DEM_TABLE_CONTACTS, sim, out);
         CHECK_OK(dem_write_rows(DEM_TABLE_ENERGY, sim, out));
-        double *forces = calloc(2 * scene.def.n_walls + 1, sizeof *forces);
+        scoped double *forces = calloc(2 * scene.def.n_walls + 1, sizeof *forces);
         CU_ASSERT_PTR_NOT_NULL_FATAL(forces);
         grains_wall_forces(sim, forces);
         for (size_t w = 0; w < 2 * scene.def.n_walls; w++) fprintf(out, "%.17g\t", forces[w]);
-        free(forces), fclose(out);
+        fclose(out);
     }
     return tables;
 }
@@ -159,8 +158,7 @@ static bool scene_changes(size_t scene, const char *base, const char *path, cons
     char change[160];
     snprintf(change, sizeof change, "%s=%s", path, value);
     scoped char *now = outcome(scenes[scene], change);
-    const bool differs = now && strcmp(now, base) != 0;
-    return differs;
+    return now && strcmp(now, base) != 0;
 }
 
 static void check_scene_key(char *const bases[], const char *group, const rp_param *p)
@@ -220,19 +218,8 @@ enum { N_RUNS = sizeof runs / sizeof *runs };
 /* The parameters of a run with one more setting "key=value"; NULL if a value is refused. */
 static void *settings_of(const sweep_protocol *p, const char *settings, const char *key, const char *value)
 {
-    void *params = calloc(1, p->params_size);
-    char text[512], *rest = text, *word;
-    snprintf(text, sizeof text, "%s %s=%s", settings, key ? key : "", value ? value : "");
-    rp_params_defaults(p->schema, params);
-    rp_status status = RP_OK;
-    while (!status && (word = strsep(&rest, " ")) && *word != '=') {
-        if (!*word) continue;
-        char *equals = strchr(word, '=');
-        *equals = '\0';
-        const rp_param *param = rp_params_find(p->schema, word);
-        CU_ASSERT_PTR_NOT_NULL_FATAL(param);
-        status = rp_params_set_text(param, params, equals + 1);
-    }
+    void *params = protocol_params(p, (const char *const[]){settings, NULL});
+    rp_status status = key ? rp_params_set_text(rp_params_find(p->schema, key), params, value) : RP_OK;
     if (!status && p->check) status = p->check(params);
     if (status) free(params);
     return status ? NULL : params;

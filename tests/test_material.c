@@ -1,6 +1,5 @@
 /* Elastic spheres by their material: Hertz, Mindlin. */
 #include <stdlib.h>
-#include <string.h>
 
 #include "dem/law/law.h"
 #include "dem/scene/scene.h"
@@ -129,30 +128,17 @@ static const char
 /* The group stands for two others; walls have its moduli, or their own. */
 static void group_of_a_scene(void)
 {
-    scoped_scene a, b;
-    char text[1024];
-    static const char rest[] =
-        "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; %s } );\nparticles = ( { x = 0.0; y = "
-        "0.0999; r = 0.1; vx = 5.0; }, { x = 0.15; y = 0.37; r = 0.2; } );\ndt = 1e-6; steps = 2000;\n";
-    snprintf(text, sizeof text, rest, "");
-    char whole[2048];
-    snprintf(whole, sizeof whole, "%s%s", material, text);
-    CHECK_OK(grains_read(whole, NULL, &a));
-    snprintf(text, sizeof text, rest, "k_n = 73260073.26007326; k_s = 90497737.55656108;");
-    snprintf(whole, sizeof whole, "%s%s", groups, text);
-    CHECK_OK(grains_read(whole, NULL, &b));
-    scoped_sim *one = NULL, *two = NULL;
-    CHECK_OK(dem_scene_start(&a, &one));
-    CHECK_OK(dem_scene_start(&b, &two));
-    CHECK_OK(dem_run(one, 2000));
-    CHECK_OK(dem_run(two, 2000));
+#define REST                                                                                                 \
+    "%swalls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; %s } );\nparticles = ( { x = 0.0; y = "       \
+    "0.0999; r = 0.1; vx = 5.0; }, { x = 0.15; y = 0.37; r = 0.2; } );\ndt = 1e-6; steps = 2000;\n"
+    scoped_sim *one = grains_after_text(2000, REST, material, ""),
+               *two =
+                   grains_after_text(2000, REST, groups, "k_n = 73260073.26007326; k_s = 90497737.55656108;");
     CU_ASSERT(grains_same_bits(one, two));
     /* the same part of critical: c over 2 sqrt(k/m), of the stiffnesses 3/2 K sqrt(x) and K_s */
     CHECK_NEAR(one->def.material.gamma_s / 2.0, one->def.material.gamma_n / (2.0 * sqrt(1.5)), 1e-14);
     scoped_scene c;
-    snprintf(text, sizeof text, rest, "E = 3.0e7; nu = 0.1; mu = 0.9; restitution = 0.3;");
-    snprintf(whole, sizeof whole, "%s%s", material, text);
-    CHECK_OK(grains_read(whole, NULL, &c));
+    CHECK_OK(grains_read_as(&c, REST, material, "E = 3.0e7; nu = 0.1; mu = 0.9; restitution = 0.3;"));
     double k_n, k_s;
     dem_elastic_contact((double[]){1e8, 3e7}, (double[]){0.3, 0.1}, &k_n, &k_s);
     const dem_material *wall = &c.def.walls[0].material;
@@ -169,8 +155,8 @@ static void group_of_a_scene(void)
     for (size_t k = 0; k < sizeof refused / sizeof *refused; k++) {
         scoped_scene s;
         scoped_sim *sim = NULL;
-        snprintf(whole, sizeof whole, "%sparticles = ( { x = 0.0; y = 0.2; r = 0.1; } );\n", refused[k][0]);
-        rp_status status = grains_read(whole, NULL, &s);
+        rp_status status =
+            grains_read_as(&s, "%sparticles = ( { x = 0.0; y = 0.2; r = 0.1; } );\n", refused[k][0]);
         if (!status) status = dem_scene_start(&s, &sim);
         CHECK_FAILS(status, RP_BAD_INPUT, refused[k][1]);
     }
@@ -178,7 +164,7 @@ static void group_of_a_scene(void)
 
 /* Undamped grains that roll and slide in a closed box: the ledger closes, friction alone takes energy, and
  * takes it at all times. */
-static void ledger_of(dem_rolling model)
+static void close_ledger(dem_rolling model)
 {
     dem_grain *grains;
     dem_definition def = grains_box(60, 2.0, 4, &grains);
@@ -195,9 +181,8 @@ static void ledger_of(dem_rolling model)
     def.rolling = model;
     scoped_sim *sim = grains_start(&def);
     for (int k = 0; k < 40; k++) {
-        dem_ledger l;
         CHECK_OK(dem_run(sim, 2500));
-        CU_ASSERT_FATAL(dem_ledger_read(sim, &l));
+        const dem_ledger l = grains_ledger(sim);
         CHECK_NEAR(l.residual, 0.0, 1e-10 * l.turnover);
         CU_ASSERT(l.sliding >= lost && l.rolling >= rolled && l.normal_damping == 0.0 &&
                   fabs(l.integration) < 1e-3 * l.turnover);
@@ -208,7 +193,7 @@ static void ledger_of(dem_rolling model)
 
 static void ledger_closes(void)
 {
-    for (int model = DEM_ROLL_SPRING; model <= DEM_ROLL_VISCOUS; model++) ledger_of((dem_rolling)model);
+    for (int model = DEM_ROLL_SPRING; model <= DEM_ROLL_VISCOUS; model++) close_ledger((dem_rolling)model);
 }
 
 /* A sphere rolls on a floor: the constant model takes mu g/(1 + I/(m r^2)) of its speed a second and then
@@ -219,25 +204,21 @@ static void rolling_models(void)
     static const char *const models[] = {"spring", "constant", "viscous"};
     for (int k = 0; k < 3; k++)
         for (int kernel = 0; kernel < 2; kernel++) {
-            char text[1024];
-            scoped_scene s;
-            scoped_sim *sim = NULL;
-            dem_state now;
             const double mu = k == 2 ? 2e-3 : 0.02, v = 10.0, decay = mu * 981.0 / 1.4;
-            snprintf(
-                text, sizeof text,
-                "%srotation = true; dt = 5e-6; kernel = \"%s\"; rolling = { model = \"%s\"; mu = %g; };\n"
-                "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; mu = 5.0; } );\n"
-                "particles = ( { x = 0.0; y = 0.09995; r = 0.1; vx = %g; omega = %g; } );\n",
-                material, kernel ? "reference" : "fast", models[k], mu, v, -v / 0.1);
-            CHECK_OK(grains_read(text, NULL, &s));
-            CHECK_OK(dem_scene_start(&s, &sim));
-            CHECK_OK(dem_run(sim, 60000)); /* 0.3 s */
+            dem_state now;
+            scoped_sim *sim =
+                grains_after_text(/* 0.3 s */
+                                  60000,
+                                  "%srotation = true; dt = 5e-6; kernel = \"%s\"; rolling = { model = "
+                                  "\"%s\"; mu = %g; };\n"
+                                  "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; mu = 5.0; } );\n"
+                                  "particles = ( { x = 0.0; y = 0.09995; r = 0.1; vx = %g; omega = %g; } "
+                                  ");\n",
+                                  material, kernel ? "reference" : "fast", models[k], mu, v, -v / 0.1);
             CHECK_OK(dem_states(sim, &now));
             CHECK_NEAR(now.vx, k == 2 ? v * exp(-decay * 0.3) : v - decay * 0.3, 0.02 * v);
             CHECK_NEAR(now.omega, -now.vx / 0.1, 0.02 * v / 0.1);
-            CHECK_OK(dem_run(sim, 120000));
-            CHECK_OK(dem_states(sim, &now));
+            grains_run(sim, 120000, &now);
             if (k < 2) CHECK_NEAR(now.vx, 0.0, 0.02);
             if (k == 2) CHECK_NEAR(now.vx, v * exp(-decay * 0.9), 0.03 * v * exp(-decay * 0.9));
         }
@@ -253,25 +234,17 @@ static void rolling_arms(void)
         const int model = k % 3, wall = k / 6;
         const double r = 0.1, omega = 300.0, mu = model == 2 ? 1e-4 : 0.01,
                      arm = wall ? r : (k / 3 % 2 ? 2.0 : 1.0) * 0.1 * 0.05 / 0.15;
-        char text[1024];
-        scoped_scene s;
-        scoped_sim *sim = NULL;
-        dem_contact *list;
-        size_t n;
-        snprintf(
-            text, sizeof text,
-            "%srotation = true; gravity = [0.0, 0.0]; dt = 2e-7; rolling = { model = \"%s\"; arm = \"%s\"; "
-            "mu = %g; };\n"
-            "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
-            "particles = ( { x = 0.0; y = %g; r = %g; omega = %g; }, { x = 0.1499; y = %g; r = 0.05; } );\n",
-            material, models[model], arms[k / 3 % 2], mu, wall ? 0.0999 : 5.0, r, omega, wall ? 9.0 : 5.0);
-        CHECK_OK(grains_read(text, NULL, &s));
-        CHECK_OK(dem_scene_start(&s, &sim));
-        CHECK_OK(dem_run(sim, 60)); /* the spring comes to its limit */
-        CHECK_OK(dem_contacts(sim, &list, &n));
-        CU_ASSERT_FATAL(n == 1);
-        const dem_contact c = *list;
-        free(list);
+        scoped_sim *sim = grains_after_text(/* the spring comes to its limit */
+                                            60,
+                                            "%srotation = true; gravity = [0.0, 0.0]; dt = 2e-7; rolling = { "
+                                            "model = \"%s\"; arm = \"%s\"; "
+                                            "mu = %g; };\n"
+                                            "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
+                                            "particles = ( { x = 0.0; y = %g; r = %g; omega = %g; }, { x = "
+                                            "0.1499; y = %g; r = 0.05; } );\n",
+                                            material, models[model], arms[k / 3 % 2], mu, wall ? 0.0999 : 5.0,
+                                            r, omega, wall ? 9.0 : 5.0);
+        const dem_contact c = grains_only_contact(sim);
         const double speed = model == 2 ? arm * omega : 1.0;
         CHECK_NEAR(fabs(c.rolling_torque), arm * mu * c.normal_force * speed,
                    0.02 * arm * mu * c.normal_force * speed);
@@ -282,27 +255,14 @@ static void rolling_arms(void)
  * the viscous model bounds the time step by a quarter. */
 static double below_limit(const char *arm, const char *law, double *limit)
 {
-    char text[1024];
-    scoped_scene s, bound;
-    scoped_sim *sim = NULL;
-    dem_contact *list;
-    size_t n;
-    snprintf(
-        text, sizeof text,
-        "%srotation = true; dt = 1e-9;         rolling = { arm = \"%s\"; %s };\n"
-        "particles = ( { x = 0.0; y = 0.0; r = 0.1; omega = 1.0; }, { x = 0.1499; y = 0.0; r = 0.05; } );\n",
-        material, arm, law);
-    CHECK_OK(grains_read(text, NULL, &s));
-    CHECK_OK(dem_scene_start(&s, &sim));
-    CHECK_OK(dem_run(sim, 4));
-    CHECK_OK(dem_contacts(sim, &list, &n));
-    CU_ASSERT_FATAL(n == 1);
-    const double torque = list->rolling_torque;
-    free(list);
-    memcpy(strstr(text, "dt = 1e-9;        "), "dt = \"dt_limit(9)\";", 18);
-    CHECK_OK(grains_read(text, NULL, &bound));
+    static const char scene[] =
+        "%srotation = true; dt = %s; rolling = { arm = \"%s\"; %s };\n"
+        "particles = ( { x = 0.0; y = 0.0; r = 0.1; omega = 1.0; }, { x = 0.1499; y = 0.0; r = 0.05; } );\n";
+    scoped_sim *sim = grains_after_text(4, scene, material, "1e-9", arm, law);
+    scoped_scene bound;
+    CHECK_OK(grains_read_as(&bound, scene, material, "\"dt_limit(9)\"", arm, law));
     *limit = bound.def.dt;
-    return torque;
+    return grains_only_contact(sim).rolling_torque;
 }
 
 static void arms_below_the_limit(void)
@@ -327,20 +287,13 @@ static void walls_alike(void)
     static const char *const walls[] = {"", " extent = [-9.0, 9.0];", " velocity = [0.0, 7.0];"};
     double speed[3][3];
     for (int k = 0; k < 3; k++) {
-        char text[1024];
-        scoped_scene s;
-        scoped_sim *sim = NULL;
-        dem_state state;
-        snprintf(
-            text, sizeof text,
+        scoped_sim *sim = grains_after_text(
+            3000,
             "%sgravity = [0.0, 0.0]; rotation = true; dt = 1e-6; walls = ( { point = [0.0, 0.0]; "
             "direction = [0.0, 1.0];%s } "
             ");\nparticles = ( { x = 0.0; y = 0.100133; r = 0.1; vx = 20.0; vy = %g; omega = 30.0; } );\n",
             material, walls[k], k == 2 ? -43.0 : -50.0);
-        CHECK_OK(grains_read(text, NULL, &s));
-        CHECK_OK(dem_scene_start(&s, &sim));
-        CHECK_OK(dem_run(sim, 3000));
-        CHECK_OK(dem_states(sim, &state));
+        const dem_state state = grains_state_of_one(sim);
         CU_ASSERT(state.contacts == 0);
         speed[k][0] = state.vx, speed[k][1] = state.vy - (k == 2 ? 7.0 : 0.0), speed[k][2] = state.omega;
     }

@@ -7,19 +7,18 @@
 #include <string.h>
 
 #include "core/clock.h"
-#include "stats/stats.h"
 #include "sweeps/protocols/pile.h"
 #include "tests/check.h"
 #include "tests/program.h"
+#include "tests/protocol.h"
 
 /* The text of a note; a failed assertion and "" without. */
 static const char *note(const rp_table *t, const char *key)
 {
     const char *found = rp_table_find_note(t, key);
-    if (found) return found;
-    fprintf(stderr, "no note \"%s\"\n", key);
-    CU_FAIL("no such note");
-    return "";
+    if (!found) fprintf(stderr, "no note \"%s\"\n", key);
+    CU_ASSERT_PTR_NOT_NULL(found);
+    return found ? found : "";
 }
 
 /* The note is this text. */
@@ -33,9 +32,8 @@ static void check_note(const rp_table *t, const char *key, const char *format, .
     vsnprintf(expected, sizeof expected, format, list);
     va_end(list);
     const char *found = note(t, key);
-    if (strcmp(found, expected) == 0) return;
-    fprintf(stderr, "%s: %s\nexpected: %s\n", key, found, expected);
-    CU_FAIL("another note");
+    if (strcmp(found, expected) != 0) fprintf(stderr, "%s: %s\nexpected: %s\n", key, found, expected);
+    CU_ASSERT_STRING_EQUAL(found, expected);
 }
 
 /* ---- rows used and left out ---- */
@@ -120,31 +118,23 @@ static void check_base_notes(double eps)
 static void test_pile(void)
 {
     static const char *const files[] = {"d/base.tsv", "d/wells.tsv", "d/contacts.tsv", "d/disks.tsv"};
-    static const struct {
-        const char *words;
-        sweep_pile p;
-    } cases[] = {{"--base 12 --alpha-deg 30 --eps 1e-3", {.eps = 1e-3, .alpha_deg = 30.0, .base = 12}},
-                 {"--base 9 --eps 0.008 --branch minimum --leave 1",
-                  {.eps = 8e-3, .base = 9, .branch = STATICS_BRANCH_MINIMUM, .leave = 1}},
-                 {"--base 20 --alpha-deg 55 --eps 3e-3", {.eps = 3e-3, .alpha_deg = 55.0, .base = 20}},
-                 {"--base 45 --alpha-deg 30 --eps 1e-4 --well 1 --mu 0.2 --set-again",
-                  {.eps = 1e-4, .alpha_deg = 30.0, .base = 45, .well = 1.0, .mu = 0.2, .set_again = true}}};
+    static const char *const cases[][2] = {
+        {"--base 12 --alpha-deg 30 --eps 1e-3", "base=12 alpha_deg=30 eps=1e-3"},
+        {"--base 9 --eps 0.008 --branch minimum --leave 1", "base=9 eps=0.008 branch=minimum leave=1"},
+        {"--base 20 --alpha-deg 55 --eps 3e-3", "base=20 alpha_deg=55 eps=3e-3"},
+        {"--base 45 --alpha-deg 30 --eps 1e-4 --well 1 --mu 0.2 --set-again",
+         "base=45 alpha_deg=30 eps=1e-4 well=1 mu=0.2 set_again=true"}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        sweep_pile p;
-        rp_params_defaults(sweep_pile_schema, &p);
-        const sweep_pile *given = &cases[k].p;
-        p.eps = given->eps, p.base = given->base, p.branch = given->branch, p.leave = given->leave;
-        if (given->alpha_deg > 0.0) p.alpha_deg = given->alpha_deg;
-        if (given->well > 0.0) p.well = given->well, p.mu = given->mu, p.set_again = given->set_again;
+        scoped sweep_pile *p = PROTOCOL_PARAMS(&sweep_protocol_pile, cases[k][1]);
         sweep_outline h = {0};
         sweep_solved s;
         sweep_result r;
-        CHECK_OK(sweep_pile_outline(&p, 1, 0, &h));
-        CHECK_OK(sweep_pile_solve(&p, &h, NULL, NULL, &s, &r));
-        GOOD("pile %s -o d", cases[k].words);
+        CHECK_OK(sweep_pile_outline(p, 1, 0, &h));
+        CHECK_OK(sweep_pile_solve(p, &h, NULL, NULL, &s, &r));
+        GOOD("pile %s -o d", cases[k][0]);
         scoped_table contacts = read_table("d/contacts.tsv"), wells = read_table("d/wells.tsv");
         for (size_t f = 0; f < 4; f++) check_pile_notes(files[f], &s, &contacts, &wells);
-        check_base_notes(p.eps);
+        check_base_notes(p->eps);
         scoped_table t = read_table("d/base.tsv");
         CU_ASSERT((rp_table_find_note(&t, "released") != NULL) == !isnan(s.r.released));
         if (!isnan(s.r.released))
@@ -436,17 +426,15 @@ static void test_run(void)
 
 static void test_dip(void)
 {
-    char text[8192] = "";
-    for (int k = 1; k <= 20; k++) snprintf(text + strlen(text), sizeof text - strlen(text), "n_%02d\t", k);
-    strcat(text, "excess\tstatus\n");
+    FILE *file = file_of("piles.tsv");
+    for (int k = 1; k <= 20; k++) fprintf(file, "n_%02d\t", k);
+    fputs("excess\tstatus\n", file);
     for (int i = 0; i < 7; i++) {
         for (int k = 0; k < 20; k++)
-            snprintf(text + strlen(text), sizeof text - strlen(text), "%g\t",
-                     1.0 - 0.002 * (k - 9.5) * (k - 9.5) + 0.01 * ((7 * i + 3 * k) % 5));
-        snprintf(text + strlen(text), sizeof text - strlen(text), "%g\t%s\n", 0.01 * (i % 3),
-                 i < 5 ? "ok" : "no_pile");
+            fprintf(file, "%g\t", 1.0 - 0.002 * (k - 9.5) * (k - 9.5) + 0.01 * ((7 * i + 3 * k) % 5));
+        fprintf(file, "%g\t%s\n", 0.01 * (i % 3), i < 5 ? "ok" : "no_pile");
     }
-    write_text("piles.tsv", "%s", text);
+    fclose(file);
     scoped_table t = TABLE_OF("stress dip piles.tsv --profile");
     check_note(&t, "rows", "5 used, 2 left out");
 }

@@ -40,8 +40,7 @@ static void steps_of_a_slope(void)
     }
     for (size_t k = 1; k < ROWS; k++) {
         const double shift = left[k] - left[k - 1];
-        CHECK_NEAR(right[k - 1] - right[k], shift, 1e-9);
-        CHECK_NEAR(shift, shift > 1 ? 1.5 : 0.5, 1e-9);
+        CHECK_PAIRS(1e-9, {right[k - 1] - right[k], shift}, {shift, shift > 1 ? 1.5 : 0.5});
         steps += shift > 1;
     }
     CU_ASSERT(steps == (size_t)lround(lacks) && steps == 4);
@@ -112,15 +111,9 @@ static void dip_invariances(void)
 {
     enum { K = 31 };
     double x[K], N[K], y[K], M[K];
-    for (int i = 0; i < K; i++) {
-        x[i] = i + 0.3 * sin(i);
-        N[i] = 2 + sin(0.37 * i) + 0.01 * i;
-    }
+    for (int i = 0; i < K; i++) x[i] = i + 0.3 * sin(i), N[i] = 2 + sin(0.37 * i) + 0.01 * i;
     const double D = dip_of(K, x, N, 1);
-    for (int i = 0; i < K; i++) {
-        y[i] = 7 - 0.3 * x[K - 1 - i];
-        M[i] = 2 * N[K - 1 - i];
-    }
+    for (int i = 0; i < K; i++) y[i] = 7 - 0.3 * x[K - 1 - i], M[i] = 2 * N[K - 1 - i];
     CHECK_NEAR(dip_of(K, y, M, 0.3), D, 1e-12);
     CU_ASSERT(fabs(D) > 0.01);
 }
@@ -133,9 +126,8 @@ static void dips_of_a_wedge(void)
 {
     double N[STRESS_DIP_BINS], rays[STRESS_DIP_BINS];
     for (int k = 0; k < STRESS_DIP_BINS; k++) N[k] = 2 + fabs(k + 0.5 - STRESS_DIP_BINS / 2), rays[k] = 1;
-    CHECK_NEAR(stress_dip(N), -3.0 / 7, 1e-15);
-    CHECK_NEAR(stress_middle(N), -2.0 / 7, 1e-15);
-    CHECK_NEAR(stress_excess(N, rays), 2.0 / 7, 1e-15);
+    CHECK_PAIRS(1e-15, {stress_dip(N), -3.0 / 7}, {stress_middle(N), -2.0 / 7},
+                {stress_excess(N, rays), 2.0 / 7});
 }
 
 /* ---- rays under an outline ---- */
@@ -180,10 +172,7 @@ static void rays_under_walls(void)
 {
     enum { N = 9 };
     double x[N], top[N], rays[STRESS_DIP_BINS];
-    for (int i = 0; i < N; i++) {
-        x[i] = i - 13.5;
-        top[i] = 17;
-    }
+    for (int i = 0; i < N; i++) x[i] = i - 13.5, top[i] = 17;
     const stress_base base = {.centroid = x[4], .width = 32};
     CHECK_OK(exp_outline_rays(N, x, top, &base, rays));
     for (int k = 0; k < STRESS_DIP_BINS / 2; k++) {
@@ -240,10 +229,7 @@ static void friction_of_base(void)
         RP_ENDS(sweep_outline_free) sweep_outline h = {0};
         double exact_N[50], exact_H[50];
         CHECK_OK(sweep_outline_make(&h, k, 0, 0, 0, NULL));
-        for (long i = 0; i < k; i++) {
-            exact_N[i] = h.exact[i].N;
-            exact_H[i] = h.exact[i].H;
-        }
+        for (long i = 0; i < k; i++) exact_N[i] = h.exact[i].N, exact_H[i] = h.exact[i].H;
         CHECK_NEAR(sweep_outline_friction(h.k, exact_N, exact_H), (double)(k - 1) / (double)(k + 1) / sqrt(3),
                    1e-12);
     }
@@ -302,12 +288,8 @@ static void unequal_piles_stand(void)
         CHECK_OK(statics_solve(pile, &r));
         statics_base(pile, NULL, N, H);
         for (size_t i = 0; i < h.n; i++) weight += h.disks[i].weight;
-        for (size_t i = 0; i < h.k; i++) {
-            load += N[i];
-            push += H[i];
-        }
-        CHECK_NEAR(load, weight, BALANCE);
-        CHECK_NEAR(push, 0, BALANCE);
+        for (size_t i = 0; i < h.k; i++) load += N[i], push += H[i];
+        CHECK_PAIRS(BALANCE, {load, weight}, {push, 0});
         CU_ASSERT(r.fault == STATICS_OK && r.negative_modes == 0 && r.residual < 1e-9);
         statics_free(pile);
     }
@@ -486,34 +468,16 @@ static void check_continuum(const pile_case *c, const sweep_outline *h, const do
 static void outputs_a_second_way(void)
 {
     const double TOP = 0.38 * tan(30 * DEG) + 0.12 * tan(45 * DEG);
-    const pile_case cases[] = {
-        {{"alpha_deg=30", "eps=1e-3", "k_x=3", "disorder=1e-3"},
-         0.5 * tan(30 * DEG),
-         0,
-         1e-3,
-         3,
-         0,
-         1,
-         .alpha = 30 * DEG,
-         .disorder = 1e-3},
-        {{"alpha_deg=30", "inner_deg=45", "x_1=0.38", "well=40", "mu=1.5"},
-         TOP,
-         0,
-         1e-4,
-         1,
-         40,
-         1.5,
-         5,
-         {{0, 0}, {0.38, 0.38 * tan(30 * DEG)}, {0.5, TOP}, {0.62, 0.38 * tan(30 * DEG)}, {1, 0}}},
-        {{"alpha_deg=60", "gap=0.01", "branch=minimum", "eps=1e-4"},
-         0.5 * tan(60 * DEG),
-         0.01,
-         1e-4,
-         1,
-         0,
-         1,
-         .branch = STATICS_BRANCH_MINIMUM},
-    };
+    const double shoulder = 0.38 * tan(30 * DEG);
+    pile_case cases[] = {{{"alpha_deg=30", "eps=1e-3", "k_x=3", "disorder=1e-3"}, 0.5 * tan(30 * DEG)},
+                         {{"alpha_deg=30", "inner_deg=45", "x_1=0.38", "well=40", "mu=1.5"}, TOP},
+                         {{"alpha_deg=60", "gap=0.01", "branch=minimum", "eps=1e-4"}, 0.5 * tan(60 * DEG)}};
+    for (int k = 0; k < 3; k++) cases[k].eps = 1e-4, cases[k].k_x = 1, cases[k].mu = 1;
+    cases[0].eps = 1e-3, cases[0].k_x = 3, cases[0].alpha = 30 * DEG, cases[0].disorder = 1e-3;
+    cases[1].well = 40, cases[1].mu = 1.5, cases[1].n_corners = 5;
+    const an_point corners[5] = {{0, 0}, {0.38, shoulder}, {0.5, TOP}, {0.62, shoulder}, {1, 0}};
+    memcpy(cases[1].corners, corners, sizeof corners);
+    cases[2].gap = 0.01, cases[2].branch = STATICS_BRANCH_MINIMUM;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const pile_case *c = &cases[i];
         sweep_result r;

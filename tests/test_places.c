@@ -8,6 +8,7 @@
 
 #include "tests/protocol.h"
 #include "tests/check.h"
+#include "tests/folder.h"
 #include "tests/program.h"
 
 enum { MOST_TEXT = 1 << 16, MOST_WORDS = 24 };
@@ -336,12 +337,9 @@ static void read_section(const char *text, around *a)
 
 static bool text_fits(const char *path, around *a)
 {
-    static char text[MOST_TEXT];
     bool fits = true, in_table = false;
-    FILE *in = fopen(path, "r");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(in);
-    text[fread(text, 1, sizeof text - 1, in)] = '\0';
-    fclose(in);
+    size_t n;
+    scoped char *text = file_read(path, &n);
     read_section(text, a);
     for (char *line = text, *end; *line; line = end) {
         if (*line == '#') read_section(line, a);
@@ -357,18 +355,15 @@ static bool text_fits(const char *path, around *a)
 
 static void test_words(void)
 {
-    static const char *const texts[] = {"report/text/*.md.in"};
     static around a;
     scoped_table claims = {0};
     CHECK_OK(rp_table_read("report/claims.tsv", &claims));
     a.claims = &claims;
-    for (size_t k = 0; k < 1; k++) {
-        glob_t found;
-        CU_ASSERT_FATAL(glob(texts[k], 0, NULL, &found) == 0);
-        for (size_t i = 0; i < found.gl_pathc; i++)
-            if (!strstr(found.gl_pathv[i], "/validation")) CU_ASSERT(text_fits(found.gl_pathv[i], &a));
-        globfree(&found);
-    }
+    glob_t found;
+    CU_ASSERT_FATAL(glob("report/text/*.md.in", 0, NULL, &found) == 0);
+    for (size_t i = 0; i < found.gl_pathc; i++)
+        if (!strstr(found.gl_pathv[i], "/validation")) CU_ASSERT(text_fits(found.gl_pathv[i], &a));
+    globfree(&found);
 }
 
 CHECK_SUITE(places, "places", test_words)

@@ -12,7 +12,6 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 #include <unistd.h>
 #include <xxhash.h>
 
@@ -23,6 +22,7 @@
 #include "tests/faults.h"
 #include "tests/folder.h"
 #include "tests/noise.h"
+#include "tests/program.h"
 #include "tests/protocol.h"
 
 /* ---- What happened to the disk */
@@ -128,12 +128,12 @@ static int shim_sync(sqlite3_file *f, int flags)
     return rc;
 }
 
-static int shim_open(sqlite3_vfs *vfs, const char *path, sqlite3_file *f, int flags, int *out)
+static int shim_open(sqlite3_vfs *vfs, const char *path, sqlite3_file *f, int flags, int *opened)
 {
     (void)vfs;
     shim *s = shim_of(f);
     const bool there = path && access(path, F_OK) == 0;
-    const int rc = below->xOpen(below, path, f, flags, out);
+    const int rc = below->xOpen(below, path, f, flags, opened);
     s->file = -1;
     if (rc != SQLITE_OK) return rc;
     s->real = f->pMethods;
@@ -280,12 +280,7 @@ static const sweep_protocol *const protocols[] = {&protocol, NULL};
 
 static char base[FOLDER_PATH], file[96], dir[96], cut_dir[96];
 
-static void clear(const char *folder)
-{
-    folder_remove(folder);
-}
-
-static void enter(void)
+static void make_base(void)
 {
     folder_make_in_memory("power", base);
     snprintf(file, sizeof file, "%s/s.cfg", base);
@@ -295,10 +290,10 @@ static void enter(void)
     file_print(file, "protocol = \"power\"; replicas = %d; grid = { x = [1.0, 2.0]; };\n", ROWS / 2);
 }
 
-static void leave(void)
+static void remove_base(void)
 {
     gsl_rng_free(chance);
-    clear(base);
+    folder_remove(base);
 }
 
 /* Now and then the clock advances, so that groups of rows of every size are committed. */
@@ -369,7 +364,7 @@ static void check_cut(size_t cut, size_t planned, char good[ROWS][256], const ch
         CHECK_OK(sweep_digest(cut_dir, protocols, again, &n));
         CU_ASSERT_STRING_EQUAL(again, digest);
     }
-    clear(cut_dir);
+    folder_remove(cut_dir);
 }
 
 static void cut_sweeps(bool shared)
@@ -412,8 +407,6 @@ static void rollback_journal(void)
 }
 
 /* ---- Files that Repose writes itself */
-
-int repose_main(int argc, char **argv); /* of tests/fuzz/targets.c */
 
 enum { MOST_SYNCED = 64 };
 
@@ -473,26 +466,20 @@ static void watch(const char *call, int descriptor, const char *from, const char
     if (S_ISDIR(info.st_mode) && info.st_ino == seen->loose) seen->loose = 0;
 }
 
+static void start_to_watch(void)
+{
+    fault_watch = watch;
+}
+
 /* Exit status of the program in a folder, or 128 and the signal; killed before its call number `kill_at`. */
 static int run_in(const char *folder, const char *text, long kill_at)
 {
-    char line[256], *words[20], *save;
-    int n = 0, end = 0;
+    CU_ASSERT_FATAL(chdir(folder_path(base, folder)) == 0);
     memset(seen, 0, sizeof *seen);
     seen->kill_at = kill_at;
-    snprintf(line, sizeof line, "%s", text);
-    for (char *word = strtok_r(line, " ", &save); word; word = strtok_r(NULL, " ", &save)) words[n++] = word;
-    words[n] = NULL;
-    const pid_t child = fork();
-    if (child == 0) {
-        if (chdir(folder_path(base, folder)) != 0 || !freopen("out", "w", stdout) ||
-            !freopen("err", "w", stderr))
-            _exit(99);
-        fault_watch = watch;
-        exit(repose_main(n, words));
-    }
-    CU_ASSERT_FATAL(waitpid(child, &end, 0) == child);
-    return WIFEXITED(end) ? WEXITSTATUS(end) : 128 + WTERMSIG(end);
+    const int end = run_forked(text, start_to_watch);
+    CU_ASSERT(chdir(base) == 0);
+    return end;
 }
 
 /* Of the tables that two folders have, those that are the same file by content; *n: all of the first. */
@@ -526,8 +513,8 @@ static void replace_result(const char *options)
 {
     char old[256], new[256], line[160];
     int n, n_new, kills = 0;
-    snprintf(old, sizeof old, "repose run %s --every 2 -o d", options);
-    snprintf(new, sizeof new, "repose run %s --every 1 -o d --force", options);
+    snprintf(old, sizeof old, "run %s --every 2 -o d", options);
+    snprintf(new, sizeof new, "run %s --every 1 -o d --force", options);
     make_case("old", "start");
     CU_ASSERT(run_in("old", old, 0) == 0);
     make_case("new", "start");
@@ -547,7 +534,7 @@ static void replace_result(const char *options)
         snprintf(line, sizeof line, "grep -qs '^[+-]' %s/k/d/.repose", base);
         const bool begun = system(line) == 0;
         CU_ASSERT(begun || n == n_new);
-        if (begun || run_in("k", new, 0) != 0) CU_ASSERT(run_in("k", "repose run --resume d", 0) == 0);
+        if (begun || run_in("k", new, 0) != 0) CU_ASSERT(run_in("k", "run --resume d", 0) == 0);
         CU_ASSERT(count_equal("k", "new", &n) == n_new && n == n_new);
         kills++;
     }
@@ -571,4 +558,5 @@ static void replaced_results(void)
     munmap(seen, sizeof *seen);
 }
 
-CHECK_SUITE_WITHIN(power, "power", enter, leave, write_ahead_log, rollback_journal, replaced_results)
+CHECK_SUITE_WITHIN(power, "power", make_base, remove_base, write_ahead_log, rollback_journal,
+                   replaced_results)

@@ -18,6 +18,14 @@ static double larger(double a, double b)
     return a > b || isnan(a) ? a : b; /* NaN if either is NaN */
 }
 
+static double largest_of(size_t n, const double v[])
+{
+    double most = v[0];
+    for (size_t k = 1; k < n; k++) most = larger(v[k], most);
+    return most;
+}
+#define LARGEST(...) largest_of(sizeof((double[]){__VA_ARGS__}) / sizeof(double), (double[]){__VA_ARGS__})
+
 /* Number k in [0, 1) of a seed. */
 static double pick(double seed, long k)
 {
@@ -68,13 +76,10 @@ static double lattice_two_ways(const double x[])
     const double rounding = (double)(k * k) * DBL_EPSILON; /* forces to k after k additions */
     double worst = 0.0, weight = 0.0, push = 0.0;
     for (long i = 0; i < k; i++) {
-        worst = larger(fabs(counts[i].N - recursion[i].N), worst);
-        worst = larger(fabs(counts[i].H - recursion[i].H), worst);
-        weight += counts[i].N;
-        push += counts[i].H;
+        worst = LARGEST(worst, fabs(counts[i].N - recursion[i].N), fabs(counts[i].H - recursion[i].H));
+        weight += counts[i].N, push += counts[i].H;
     }
-    worst = larger(fabs(weight - (double)disks) / (double)k, worst);
-    return larger(fabs(push) / (double)k, worst) / rounding;
+    return LARGEST(worst, fabs(weight - (double)disks) / (double)k, fabs(push) / (double)k) / rounding;
 }
 
 /* N has corners at 0, x_c, 1 - x_c, 1: the trapezoids between them are its integral. */
@@ -90,10 +95,9 @@ static double continuum_balance(const double x[])
     const double weight = corner.N * x_c + (corner.N + middle.N) * (0.5 - x_c);
     const double slope = left.N - corner.N * fmin(1.0, fmin(x[1], 1.0 - x[1]) / x_c);
     const double rounding = 8.0 * DBL_EPSILON;
-    double worst = larger(fabs(left.H + right.H), fabs(left.N - right.N)) / rounding;
-    worst = larger(fabs(middle.H) / rounding, worst);
-    worst = larger(fabs(weight - tan(alpha) / (2.0 * sqrt(3.0))) / rounding, worst);
-    return larger(fabs(slope) / (rounding * (1.0 + 1.0 / x_c)), worst);
+    return LARGEST(fabs(left.H + right.H), fabs(left.N - right.N), fabs(middle.H),
+                   fabs(weight - tan(alpha) / (2.0 * sqrt(3.0))), fabs(slope) / (1.0 + 1.0 / x_c)) /
+           rounding;
 }
 
 /* An outline of five edges over [0, 1]; the middle one may have its ends at any height. */
@@ -122,9 +126,9 @@ static double chords_end_on_outline(const double x[])
         return NAN;
     /* the smallest difference of slopes is that of 60 and 55 degrees, 0.3 */
     const double rounding = 16.0 * DBL_EPSILON;
-    double worst = larger(fabs(y[0] - l[0] * sqrt(0.75)), fabs(y[1] - l[1] * sqrt(0.75)));
-    worst = larger(fabs(f.N - 0.5 * (l[0] + l[1])), worst);
-    return larger(fabs(f.H - (l[0] - l[1]) / sqrt(12.0)), worst) / rounding;
+    return LARGEST(fabs(y[0] - l[0] * sqrt(0.75)), fabs(y[1] - l[1] * sqrt(0.75)),
+                   fabs(f.N - 0.5 * (l[0] + l[1])), fabs(f.H - (l[0] - l[1]) / sqrt(12.0))) /
+           rounding;
 }
 
 /* A triangle with one more vertex anywhere on each flank, in any unit, against (54)-(59). */
@@ -180,10 +184,8 @@ static double slopes_shift_and_scale(const double x[])
         ang_slopes(CELLS, column, changed, unit, parabola, b))
         return NAN;
     double worst = 0.0;
-    for (int m = 0; m < ANG_N_METHODS; m++) {
-        worst = larger(fabs(b[m].slope - (a[m].slope - plane)), worst);
-        worst = larger(fabs(b[m].slope_se - a[m].slope_se), worst);
-    }
+    for (int m = 0; m < ANG_N_METHODS; m++)
+        worst = LARGEST(worst, fabs(b[m].slope - (a[m].slope - plane)), fabs(b[m].slope_se - a[m].slope_se));
     return worst / 1e-13; /* a dozen heights to 30, with weights below 0.3 */
 }
 
@@ -327,13 +329,10 @@ static bool run_pair(const double x[], double angle, bool swapped, dem_state out
 
 static double difference(const dem_state *a, const dem_state *b)
 {
-    double worst = larger(fabs(a->x - b->x), fabs(a->y - b->y)); /* of some 0.1 */
-    worst = larger(fabs(a->vx - b->vx) / 100.0, worst);
-    worst = larger(fabs(a->vy - b->vy) / 100.0, worst);
-    worst = larger(fabs(a->fx - b->fx) / 1e4, worst);
-    worst = larger(fabs(a->fy - b->fy) / 1e4, worst);
-    worst = larger(fabs(a->omega - b->omega) / 1e3, worst);
-    return larger(fabs(a->torque - b->torque) / 1e3, worst);
+    return LARGEST(fabs(a->x - b->x), fabs(a->y - b->y), /* of some 0.1 */
+                   fabs(a->vx - b->vx) / 100.0, fabs(a->vy - b->vy) / 100.0, fabs(a->fx - b->fx) / 1e4,
+                   fabs(a->fy - b->fy) / 1e4, fabs(a->omega - b->omega) / 1e3,
+                   fabs(a->torque - b->torque) / 1e3);
 }
 
 static double contact_has_no_direction(const double x[])
@@ -342,10 +341,9 @@ static double contact_has_no_direction(const double x[])
     if (!run_pair(x, 0.0, false, plain) || !run_pair(x, x[5], false, turned) ||
         !run_pair(x, 0.0, true, swapped))
         return NAN;
-    double worst = 0.0;
-    for (int i = 0; i < 2; i++)
-        worst = larger(larger(difference(&plain[i], &turned[i]), difference(&plain[i], &swapped[i])), worst);
-    return worst / 1e-12; /* 40 steps of a dozen roundings each */
+    return LARGEST(difference(&plain[0], &turned[0]), difference(&plain[0], &swapped[0]),
+                   difference(&plain[1], &turned[1]), difference(&plain[1], &swapped[1])) /
+           1e-12; /* 40 steps of a dozen roundings each */
 }
 
 /* Momentum, and angular momentum of positions and spins. */
@@ -367,10 +365,8 @@ static double pair_keeps_momentum(const double x[])
     const double m[2] = {dem_mass(DEM_SPHERE, 1.0, 0.08), dem_mass(DEM_SPHERE, 1.0, 0.12)};
     double p[3];
     momenta(s, p);
-    double worst = fabs(p[0] - x[2] * (2.0 * m[0] - m[1]));
-    worst = larger(fabs(p[1] - x[3] * (0.5 * m[0] - m[1])), worst);
-    worst = larger(fabs(s[0].fx + s[1].fx) / 1e4, worst);
-    worst = larger(fabs(s[0].fy + s[1].fy) / 1e4, worst);
+    double worst = LARGEST(fabs(p[0] - x[2] * (2.0 * m[0] - m[1])), fabs(p[1] - x[3] * (0.5 * m[0] - m[1])),
+                           fabs(s[0].fx + s[1].fx) / 1e4, fabs(s[0].fy + s[1].fy) / 1e4);
     const double way = 0.15 + 0.04 * x[1], orbit = -m[1] * way * x[3];
     const double spin =
         (4.0 * dem_inertia(DEM_SPHERE, m[0], 0.08) + 1.5 * dem_inertia(DEM_SPHERE, m[1], 0.12)) * x[4];

@@ -1,6 +1,5 @@
 /* The order of the rooms: what tests/rooms.py says of a small tree, and of one with a fault. */
 #include <limits.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 #include "tests/check.h"
@@ -27,12 +26,11 @@ static void plant(void)
 /* What it says of the tree, "" for nothing. */
 static void check_says(const char *expected)
 {
-    char line[PATH_MAX + 256];
-    snprintf(line, sizeof line,
-             "for f in src/*/*.c; do gcc -Isrc -c $f -o build/obj/${f%%.c}.o || exit 9; done; "
-             "python3 %s build >out 2>err",
-             script);
-    CU_ASSERT_EQUAL(shell(line), *expected != '\0');
+    const int status =
+        shell_line("for f in src/*/*.c; do gcc -Isrc -c $f -o build/obj/${f%%.c}.o || exit 9; done; "
+                   "python3 %s build >out 2>err",
+                   script);
+    CU_ASSERT_EQUAL(status, *expected != '\0');
     CU_ASSERT_STRING_EQUAL(out, expected);
     leave();
 }
@@ -49,7 +47,7 @@ static void test_rooms(void)
     plant();
     write_text("src/high/b.h", "\n");
     write_text("src/low/more.c", "#include \"absent/b.h\"\n");
-    CU_ASSERT_EQUAL(shell("mkdir src/absent; cp src/high/b.h src/absent; >out 2>err"), 0);
+    SHELL("mkdir src/absent; cp src/high/b.h src/absent; :>out; :>err");
     check_says("lint: src/low/more.c:1: includes absent/b.h, which is in no room of tests/rooms.txt\n");
     plant();
     write_text("src/high/more.c", "int high(void);\nint (*const more)(void) = high;\n");
@@ -60,11 +58,7 @@ static void test_rooms(void)
     write_text("tests/rooms.txt", "core src/high\ncore src/low\n");
     check_says("lint: src/high/high.c:1: src/high must not include low/low.h, which stands above it\n");
     plant();
-    for (int k = 0; k < 20; k++) {
-        char name[32];
-        snprintf(name, sizeof name, "src/low/more%d.c", k);
-        write_text(name, "\n");
-    }
+    SHELL("for k in $(seq 20); do echo >src/low/more$k.c; done; :>out; :>err");
     check_says("lint: src/low has 21 .c files, more than 20\n");
 }
 

@@ -1,7 +1,6 @@
 /* Scene files: contents, refused input, and written scenes that read back to the same bits. */
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "dem/scene/scene.h"
 #include "dem/state/state.h"
@@ -86,7 +85,6 @@ static void written_and_read(void)
     for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
         scoped_scene s = {0}, back = {0};
         scoped_sim *a = NULL, *b = NULL;
-        dem_state p[40], q[40];
         CHECK_OK(grains_read(k == 0 ? EXAMPLE : texts[k], NULL, &s));
         grains_reread(&s, &back);
         CU_ASSERT_EQUAL(s.steps, back.steps);
@@ -101,12 +99,9 @@ static void written_and_read(void)
         CHECK_OK(dem_scene_start(&back, &b));
         CHECK_OK(dem_run(a, s.steps));
         CHECK_OK(dem_run(b, s.steps));
-        CU_ASSERT(dem_count(a) == dem_count(b) && dem_count(a) > 1);
-        memset(p, 0, sizeof p);
-        memset(q, 0, sizeof q);
+        CU_ASSERT(grains_same_bits(a, b) && dem_count(a) > 1);
+        dem_state p[40];
         CHECK_OK(dem_states(a, p));
-        CHECK_OK(dem_states(b, q));
-        CU_ASSERT(memcmp(p, q, sizeof p) == 0);
         CU_ASSERT(p[0].fixed == (k == 6) && !p[1].fixed);
         CU_ASSERT((back.def.ground.wall == 1 && back.def.hard.on) == (k == 4));
         CU_ASSERT((a->walls.angle != 0.0) == (k == 3));
@@ -235,8 +230,9 @@ static void particles_from_table(void)
     static const dem_grain typed[3] = {{0.5, 0.7, 0.1, 0.005, 4.0, -2.0, 0.3, 3.0, true},
                                        {2.0, 8.0, 1.5, 0.2, -7.0, 6.0, 9.0, -1.0, false},
                                        {9.0, 6.0, 3.0, 5.0, 7.0, 4.0, 8.0, 5.0, true}};
-    char table[] = "/tmp/repose-grains-XXXXXX", text[128];
-    close(mkstemp(table));
+    char folder[FOLDER_PATH], text[128];
+    folder_make("grains", folder);
+    const char *table = folder_path(folder, "table");
     snprintf(text, sizeof text, "density = 2.0; particles_file = \"%s\";", table);
     for (int k = 0; k < 5; k++) {
         scoped_scene s = {0};
@@ -250,8 +246,7 @@ static void particles_from_table(void)
             CU_ASSERT(same_grain(&s.grains[0],
                                  &(dem_grain){0.5, 0.7, 0.1, s.grains[0].m, 0.0, -2.0, 0.0, 3.0, false}));
             CU_ASSERT(s.grains[1].x == 0.1 && s.grains[1].r == 0.08 && s.grains[1].fixed);
-            CHECK_NEAR(s.grains[0].m, 2.0 * volume, 1e-16);
-            CHECK_NEAR(s.grains[1].m, 2.0 * 0.512 * volume, 1e-16);
+            CHECK_PAIRS(1e-16, {s.grains[0].m, 2.0 * volume}, {s.grains[1].m, 2.0 * 0.512 * volume});
         }
     }
     scoped_scene first = {0};
@@ -277,7 +272,7 @@ static void particles_from_table(void)
         snprintf(says, sizeof says, ":2: r = %s: out of range", bad[k]);
         grains_refused(text, NULL, says);
     }
-    unlink(table);
+    folder_remove(folder);
 }
 
 /* Rolling resistance without a limit is that of a limit which no torque reaches. */
@@ -295,8 +290,7 @@ static void infinite_rolling(void)
                              "              { x = 0.15; y = 0.25; r = 0.1; } );\n",
                              &(rp_texts){1, {limits[k]}}, &s));
         CHECK_OK(dem_scene_start(&s, &sim));
-        CHECK_OK(dem_run(sim, 500));
-        CHECK_OK(dem_states(sim, p));
+        grains_run(sim, 500, p);
         spin[k] = p[0].omega;
     }
     CU_ASSERT(spin[0] == spin[1] && fabs(spin[0] - spin[2]) > 1e-3 && isfinite(spin[2]));
@@ -308,55 +302,35 @@ static void fill_among_walls(void)
 {
     static const struct {
         const char *walls, *fill;
-        double part[4]; /* where all grains are: from, to */
+        double from_x, to_x, from_y, to_y; /* where all grains are */
         bool cut;
-    } cases[] = {{"{ circle = [0.0, 0.0, 1.0]; }",
-                  "N = 40; W = 2.0; H = 2.0; x0 = -1.0; y0 = -1.0",
-                  {-1, 1, -1, 1},
-                  true},
-                 {"{ circle = [0.0, 0.0, 0.5]; }",
-                  "N = 25; W = 2.0; H = 2.0; x0 = -1.0; y0 = -1.0",
-                  {-1, 1, -1, 1},
-                  true},
+    } cases[] = {{"{ circle = [0.0, 0.0, 1.0]; }", "N = 40; W = 2.0; H = 2.0; x0 = -1.0; y0 = -1.0", -1, 1,
+                  -1, 1, true},
+                 {"{ circle = [0.0, 0.0, 0.5]; }", "N = 25; W = 2.0; H = 2.0; x0 = -1.0; y0 = -1.0", -1, 1,
+                  -1, 1, true},
                  {"{ polygon = ( [0.5, 0.5], [0.5, 1.5], [1.5, 1.5], [1.5, 0.5] ); }",
-                  "N = 90; W = 4.0; H = 2.0",
-                  {0, 4, 0, 2},
-                  true},
+                  "N = 90; W = 4.0; H = 2.0", 0, 4, 0, 2, true},
                  {"{ polygon = ( [0.5, 0.5], [1.5, 0.5], [1.5, 1.5], [0.5, 1.5] ); }",
-                  "N = 90; W = 4.0; H = 2.0",
-                  {0, 4, 0, 2},
-                  true},
+                  "N = 90; W = 4.0; H = 2.0", 0, 4, 0, 2, true},
                  {"{ polygon = ( [-3.0, 6.0], [-0.6, 0.0] ); closed = false; }, { polygon = ( [0.6, 0.0], "
                   "[3.0, 6.0] ); closed = false; }",
-                  "N = 200; W = 6.0; H = 8.0; x0 = -3.0; y0 = 0.5",
-                  {-3, 3, 0.5, 8.5},
-                  true},
+                  "N = 200; W = 6.0; H = 8.0; x0 = -3.0; y0 = 0.5", -3, 3, 0.5, 8.5, true},
                  {"{ polygon = ( [0.0, 9.0], [0.0, 0.0], [2.0, 0.0], [2.0, 9.0] ); closed = false; }",
-                  "N = 80; W = 3.0; H = 3.0",
-                  {0, 2, 0, 3},
-                  true},
-                 {"{ point = [0.0, 0.0]; direction = [0.0, 1.0]; }",
-                  "N = 20; W = 2.0; H = 2.0; y0 = -1.0",
-                  {0, 2, 0, 1},
-                  false},
+                  "N = 80; W = 3.0; H = 3.0", 0, 2, 0, 3, true},
+                 {"{ point = [0.0, 0.0]; direction = [0.0, 1.0]; }", "N = 20; W = 2.0; H = 2.0; y0 = -1.0", 0,
+                  2, 0, 1, false},
                  {"{ point = [0.0, 0.0]; direction = [0.0, 1.0]; extent = [-1.0, 1.0]; open_at_step = 0; }",
-                  "N = 20; W = 2.0; H = 2.0; y0 = -1.0",
-                  {0, 2, -1, 1},
-                  false},
+                  "N = 20; W = 2.0; H = 2.0; y0 = -1.0", 0, 2, -1, 1, false},
                  {"{ point = [1.0, 1.0]; direction = [0.6, 0.8]; extent = [-0.3, 0.3]; }",
-                  "N = 30; W = 2.0; H = 2.0",
-                  {0, 2, 0, 2},
-                  false}};
+                  "N = 30; W = 2.0; H = 2.0", 0, 2, 0, 2, false}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        char text[512];
         scoped_scene s = {0};
         scoped_sim *sim = NULL;
         dem_state p[200];
         dem_energy e;
         bool cut = false;
-        snprintf(text, sizeof text, "dt = 2e-5; walls = ( %s ); fill = { %s; };", cases[k].walls,
-                 cases[k].fill);
-        CHECK_OK(grains_read(text, NULL, &s));
+        CHECK_OK(
+            grains_read_as(&s, "dt = 2e-5; walls = ( %s ); fill = { %s; };", cases[k].walls, cases[k].fill));
         s.fill.cut = &cut;
         CHECK_OK(dem_scene_start(&s, &sim));
         CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
@@ -364,8 +338,9 @@ static void fill_among_walls(void)
         dem_energies(sim, &e);
         CU_ASSERT(e.elastic == 0.0 && cut == cases[k].cut);
         for (size_t i = 0; i < dem_count(sim); i++) {
-            const double x = p[i].x, y = p[i].y, r = p[i].r, *in = cases[k].part;
-            CU_ASSERT(x - r > in[0] && x + r < in[1] && y - r > in[2] && y + r < in[3] && p[i].contacts == 0);
+            const double x = p[i].x, y = p[i].y, r = p[i].r;
+            CU_ASSERT(x - r > cases[k].from_x && x + r < cases[k].to_x && y - r > cases[k].from_y &&
+                      y + r < cases[k].to_y && p[i].contacts == 0);
             if (k == 0) CU_ASSERT(hypot(x, y) + r < 1.0);
             if (k == 1) CU_ASSERT(hypot(x, y) > 0.5);
             if (k == 2 || k == 3) CU_ASSERT(fmax(fabs(x - 1.0), fabs(y - 1.0)) > 0.5);
@@ -419,20 +394,17 @@ static void listed_overlaps(void)
  * left and a wall is no more; without them it moves. */
 static void bed_taken_back(void)
 {
-    static const char *const stage = "dt = 5e-5; rotation = true; tangential = { law = \"spring\"; mu = 0.4; "
-                                     "}; rolling = { mu = 0.05; }; x_max = 3.0;\n"
-                                     "walls = ( { point = [0.0, %s]; direction = [0.0, 1.0]; }, { point = "
-                                     "[0.0, 0.0]; direction = [1.0, 0.0]; }%s );\n%s";
-    char states[] = "/tmp/repose-states-XXXXXX", contacts[] = "/tmp/repose-contacts-XXXXXX", text[1024],
-         table[256];
-    scoped_scene s = {0};
-    scoped_sim *sim = NULL;
-    snprintf(text, sizeof text, stage, "0.0",
-             ", { point = [2.0, 0.0]; direction = [-1.0, 0.0]; open_at_step = 5000; }",
-             "fill = { N = 80; W = 2.0; H = 3.0; };");
-    CHECK_OK(grains_read(text, NULL, &s));
-    CHECK_OK(dem_scene_start(&s, &sim));
-    FILE *out[2] = {fdopen(mkstemp(states), "w"), fdopen(mkstemp(contacts), "w")};
+    static const char stage[] = "dt = 5e-5; rotation = true; tangential = { law = \"spring\"; mu = 0.4; "
+                                "}; rolling = { mu = 0.05; }; x_max = 3.0;\n"
+                                "walls = ( { point = [0.0, %s]; direction = [0.0, 1.0]; }, { point = "
+                                "[0.0, 0.0]; direction = [1.0, 0.0]; }%s );\n%s";
+    char folder[FOLDER_PATH], text[1024], table[256];
+    folder_make("bed", folder);
+    const char *states = folder_path(folder, "states"), *contacts = folder_path(folder, "contacts");
+    scoped_sim *sim = grains_after_text(
+        0, stage, "0.0", ", { point = [2.0, 0.0]; direction = [-1.0, 0.0]; open_at_step = 5000; }",
+        "fill = { N = 80; W = 2.0; H = 3.0; };");
+    FILE *out[2] = {fopen(states, "w"), fopen(contacts, "w")};
     dem_write_columns(DEM_TABLE_STATES, false, out[0]);
     dem_write_columns(DEM_TABLE_CONTACTS, false, out[1]);
     for (int part = 0; part < 2; part++) {
@@ -444,18 +416,13 @@ static void bed_taken_back(void)
     const size_t n = dem_count(sim);
     dem_state on[80], back[80];
     CU_ASSERT_FATAL(n > 20 && n < 80);
-    CHECK_OK(dem_run(sim, 5000));
-    CHECK_OK(dem_states(sim, on));
+    grains_run(sim, 5000, on);
     for (int with = 0; with < 2; with++) {
-        scoped_scene again = {0};
-        scoped_sim *taken = NULL;
         double most = 0.0;
         snprintf(table, sizeof table, "particles_file = \"%s\"; contacts_file = \"%s\";", states,
                  with ? contacts : "");
         snprintf(text, sizeof text, stage, "0.0", "", table);
-        CHECK_OK(grains_read(text, NULL, &again));
-        CHECK_OK(dem_scene_start(&again, &taken));
-        CHECK_OK(dem_run(taken, 5000));
+        scoped_sim *taken = grains_after_text(5000, "%s", text);
         CHECK_OK(dem_states(taken, back));
         for (size_t i = 0; i < n; i++)
             most = fmax(most, fmax(hypot(on[i].x - back[i].x, on[i].y - back[i].y) / on[i].r,
@@ -470,9 +437,9 @@ static void bed_taken_back(void)
         RP_BAD_INPUT, "contacts_file: its table does not have the wells");
     CHECK_FAILS(grains_read(text, &(rp_texts){1, {"particles_step=1"}}, &bad), RP_BAD_INPUT,
                 "no rows with step=1");
-    snprintf(text, sizeof text, stage, "-0.001", "", table);
-    CHECK_FAILS(grains_read(text, NULL, &other), RP_BAD_INPUT, ": no contact of these grains and walls");
-    unlink(states), unlink(contacts);
+    CHECK_FAILS(grains_read_as(&other, stage, "-0.001", "", table), RP_BAD_INPUT,
+                ": no contact of these grains and walls");
+    folder_remove(folder);
 }
 
 /* Values of a file, typed again; what is written of them and read again is the same. */
@@ -505,24 +472,10 @@ static void values_of_a_file(void)
         CHECK_NEAR(a.direction[0], 0.6, 1e-16);
         CHECK_NEAR(a.direction[1], 0.8, 2e-16);
         a.direction[0] = 0.6, a.direction[1] = 0.8;
-        CU_ASSERT(same_wall(&a, &(dem_wall){{-4.0, 1.0},
-                                            {0.6, 0.8},
-                                            a.material,
-                                            {-2.0, 3.0},
-                                            -1,
-                                            INFINITY,
-                                            {1.5, -2.5},
-                                            0.75,
-                                            {4.0, 6.0}}));
-        CU_ASSERT(same_wall(&b, &(dem_wall){{-8.0, 9.0},
-                                            {-0.6, 0.8000000005},
-                                            b.material,
-                                            {-0.5, 0.75},
-                                            17,
-                                            6.0,
-                                            {0.0, 0.0},
-                                            0.0,
-                                            {0.0, 0.0}}));
+        dem_wall first = {{-4.0, 1.0}, {0.6, 0.8}, a.material, {-2.0, 3.0}, -1, INFINITY, {1.5, -2.5}, 0.75},
+                 second = {{-8.0, 9.0}, {-0.6, 0.8000000005}, b.material, {-0.5, 0.75}, 17, 6.0};
+        first.pivot[0] = 4.0, first.pivot[1] = 6.0;
+        CU_ASSERT(same_wall(&a, &first) && same_wall(&b, &second));
         for (int i = 0; i < 3; i++) {
             dem_grain p = typed[i];
             if (i == 1) p.m = s[k]->grains[1].m;
@@ -567,8 +520,7 @@ static void energy_of_few(void)
         for (int c = 0; c < 8; c++) v[c] = strtod(at, &at);
         const double kinetic[] = {4e4, 2.5e4, 0.0};
         CU_ASSERT(v[0] == 110.0 * left && v[2] == 2.0 - left && v[4] == 0.0 && v[5] == 0.0 && v[7] == 0.0);
-        CHECK_NEAR(v[3], kinetic[left], 1e-8);
-        CHECK_NEAR(v[6], left < 2 ? kinetic[left] / (2.0 - left) : 0.0, 1e-8);
+        CHECK_PAIRS(1e-8, {v[3], kinetic[left]}, {v[6], left < 2 ? kinetic[left] / (2.0 - left) : 0.0});
         CHECK_OK(dem_run(sim, 110));
     }
 }

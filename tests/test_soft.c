@@ -1,7 +1,6 @@
 /* Soft particles on a ground, and how hard collisions become soft contacts: against closed forms. Lengths in
  * diameters, masses in those of a disk, g = 1. */
 #include <stdlib.h>
-#include <string.h>
 
 #include "dem/dem.h"
 #include "dem/law/bodies.h"
@@ -31,9 +30,7 @@ static dem_grain resting(void)
 
 static long collisions(const dem_sim *sim)
 {
-    dem_counts counts;
-    dem_count_work(sim, &counts);
-    return counts.collisions;
+    return grains_counts(sim).collisions;
 }
 
 /* (45): a disk sinks by m g/K; a column of four by the weight above. */
@@ -43,9 +40,8 @@ static void sinks_by_its_weight(void)
     for (int i = 0; i < 4; i++) grains[i] = (dem_grain){.x = 0.1, .y = R + i, .r = R, .m = 1.0};
     dem_definition def = on_ground(grains, 4);
     scoped_sim *sim = grains_after(&def, 40000);
-    scoped dem_contact *list = NULL;
     size_t n;
-    CHECK_OK(dem_contacts(sim, &list, &n));
+    scoped dem_contact *list = grains_contacts(sim, &n);
     CU_ASSERT_EQUAL(n, 4);
     for (size_t k = 0; k < n; k++) {
         const double load = list[k].wall == 0 ? 4.0 : 4.0 - fmin(list[k].id_a, list[k].id_b);
@@ -222,8 +218,7 @@ static void slides_then_rolls(void)
         }
         const dem_state s = grains_state_of_one(sim);
         const double rolls = (spins ? q * b * 6.0 : 2.0) / (1.0 + q);
-        CHECK_NEAR(s.vx, rolls, 1e-9);
-        CHECK_NEAR(s.omega, -rolls / b, 1e-9);
+        CHECK_PAIRS(1e-9, {s.vx, rolls}, {s.omega, -rolls / b});
         CU_ASSERT(least >= (spins ? -6.0 : s.omega - 1e-9));
     }
 }
@@ -365,8 +360,8 @@ static void collide_in_flight(void)
         def.gravity[1] = 0.0, def.rotation = true;
         def.hard = (dem_hard){true, 0.8, 0.15};
         const double dx = -1.3, dy = -0.4, vx = 3.0 - grains[1].vx, vy = 0.7;
-        const double b = dx * vx + dy * vy, c = dx * dx + dy * dy - 0.81, v2 = vx * vx + vy * vy;
-        const double t = (-b - sqrt(b * b - v2 * c)) / v2;
+        const double bv = dx * vx + dy * vy, c = dx * dx + dy * dy - 0.81, v2 = vx * vx + vy * vy;
+        const double t = (-bv - sqrt(bv * bv - v2 * c)) / v2;
         const double n[2] = {-(dx + vx * t) / 0.9, -(dy + vy * t) / 0.9};
         dem_body bodies[2];
         for (int i = 0; i < 2; i++) {
@@ -383,12 +378,12 @@ static void collide_in_flight(void)
         grains_run(sim, 200, s);
         CU_ASSERT(collisions(sim) == 1 && t < end);
         for (int i = 0; i < 2; i++) {
-            CHECK_NEAR(s[i].vx, bodies[i].v[0], 1e-12);
-            CHECK_NEAR(s[i].vy, bodies[i].v[1], 1e-12);
-            CHECK_NEAR(s[i].omega, bodies[i].omega, 1e-11);
-            CHECK_NEAR(s[i].x, grains[i].x + grains[i].vx * t + bodies[i].v[0] * (end - t), 1e-12);
-            CHECK_NEAR(s[i].y, grains[i].y + grains[i].vy * t + bodies[i].v[1] * (end - t), 1e-12);
-            CHECK_NEAR(s[i].angle, grains[i].omega * t + bodies[i].omega * (end - t), 1e-11);
+            const dem_body *b = &bodies[i];
+            const double x = grains[i].x + grains[i].vx * t, y = grains[i].y + grains[i].vy * t;
+            CHECK_PAIRS(1e-12, {s[i].vx, b->v[0]}, {s[i].vy, b->v[1]}, {s[i].x, x + b->v[0] * (end - t)},
+                        {s[i].y, y + b->v[1] * (end - t)});
+            CHECK_PAIRS(1e-11, {s[i].omega, b->omega},
+                        {s[i].angle, grains[i].omega * t + b->omega * (end - t)});
         }
     }
     /* onto the ground: t = 0.5 / 2 */
@@ -398,10 +393,8 @@ static void collide_in_flight(void)
     def.hard = (dem_hard){true, 0.5, 0.1};
     scoped_sim *sim = grains_after(&def, 300);
     const dem_state s = grains_state_of_one(sim);
-    CHECK_NEAR(s.vy, 1.0, 1e-12);
-    CHECK_NEAR(s.vx, 1.0 - 0.1 * 3.0, 1e-12);
-    CHECK_NEAR(s.y, 0.5 + (300 * def.dt - 0.25), 1e-12);
-    CHECK_NEAR(s.x, 0.25 + 0.7 * (300 * def.dt - 0.25), 1e-12);
+    const double after = 300 * def.dt - 0.25;
+    CHECK_PAIRS(1e-12, {s.vy, 1.0}, {s.vx, 1.0 - 0.1 * 3.0}, {s.y, 0.5 + after}, {s.x, 0.25 + 0.7 * after});
 }
 
 /* An impulse on the end of a row passes through it within a step, for any order of the pairs. */
@@ -466,8 +459,7 @@ static void arc_over_a_disk(void)
 /* Far from the origin, where positions are rounded to 1e-8, a touching pair collides as at the origin. */
 static void far_from_the_origin(void)
 {
-    for (int kernel = DEM_REFERENCE; kernel < DEM_KERNELS; kernel++) {
-        if (!dem_kernel_runs(kernel)) continue;
+    GRAINS_EACH_KERNEL (kernel, DEM_REFERENCE) {
         for (int k = 0; k < 20; k++) {
             const double x = k * 5e6;
             dem_grain grains[2] = {{.x = x, .y = 3.0, .r = R, .m = 1.0, .vx = 20.0 + k},
@@ -485,8 +477,7 @@ static void far_from_the_origin(void)
 static void fixed_stay_to_the_bit(void)
 {
     enum { N = 12 };
-    for (int kernel = DEM_REFERENCE; kernel < DEM_KERNELS; kernel++) {
-        if (!dem_kernel_runs(kernel)) continue;
+    GRAINS_EACH_KERNEL (kernel, DEM_REFERENCE) {
         dem_grain grains[N];
         for (int i = 0; i < N; i++)
             grains[i] = (dem_grain){.x = -2.0 * i, .y = -0.0, .r = R, .m = 1.0, .fixed = i < N - 1};
@@ -534,8 +525,7 @@ static void rests_while_it_turns(void)
 /* At zero overlap grains are not in contact: the dashpot does not act. */
 static void touching_is_no_contact(void)
 {
-    for (int kernel = 0; kernel < DEM_KERNELS; kernel++) {
-        if (!dem_kernel_runs(kernel)) continue;
+    GRAINS_EACH_KERNEL (kernel, DEM_FAST) {
         const dem_grain grains[2] = {{.y = 3.0, .r = R, .m = 1.0, .vy = -2.0}, {.y = 2.0, .r = R, .m = 1.0}};
         dem_definition def = on_ground(grains, 2);
         def.kernel = kernel, def.gravity[1] = 0.0;
@@ -566,8 +556,7 @@ static void touches_at_the_end(void)
  * corner. */
 static void bounces_off_a_corner(void)
 {
-    for (int kernel = 0; kernel < DEM_KERNELS; kernel++) {
-        if (!dem_kernel_runs(kernel)) continue;
+    GRAINS_EACH_KERNEL (kernel, DEM_FAST) {
         const double x = -0.6 * R, y = 0.8 * R, h = 0.7, v = sqrt(2.0 * h);
         const dem_grain grain = {.x = x, .y = y + h, .r = R, .m = 1.0};
         dem_definition def = on_ground(&grain, 1);
@@ -601,10 +590,9 @@ static void hits_while_it_slides(void)
     grains_run(sim, 2, s);
     CU_ASSERT_EQUAL(collisions(sim), 1);
     /* of the middle of the second step, at 1.5 dt */
-    CHECK_NEAR(s[0].vx - 0.5 * dt * s[0].fx, disk.v[0] + a * (1.5 * dt - t), 1e-12);
-    CHECK_NEAR(s[0].vy - 0.5 * dt * s[0].fy, disk.v[1], 1e-12);
-    CHECK_NEAR(s[0].omega - 0.5 * dt * s[0].torque / (0.5 * R * R), disk.omega + alpha * (1.5 * dt - t),
-               1e-12);
+    CHECK_PAIRS(1e-12, {s[0].vx - 0.5 * dt * s[0].fx, disk.v[0] + a * (1.5 * dt - t)},
+                {s[0].vy - 0.5 * dt * s[0].fy, disk.v[1]},
+                {s[0].omega - 0.5 * dt * s[0].torque / (0.5 * R * R), disk.omega + alpha * (1.5 * dt - t)});
 }
 
 /* No hard collision is missed when a pair exceeds the cutoff of the list within a step, alone or among many
@@ -661,25 +649,17 @@ static void pile_of_disks(void)
         last = grains_energy(sim);
     }
     CHECK_OK(dem_run(copy, 3900));
-    dem_state s[HEAP], c[HEAP];
-    memset(s, 0, sizeof s);
-    memset(c, 0, sizeof c);
-    CHECK_OK(dem_states(sim, s));
-    CHECK_OK(dem_states(copy, c));
-    CU_ASSERT(memcmp(s, c, sizeof s) == 0);
+    CU_ASSERT(grains_same_bits(sim, copy));
     CU_ASSERT(collisions(sim) > HEAP && collisions(copy) == collisions(sim));
-    scoped dem_contact *list = NULL;
     size_t n, wells = 0;
-    CHECK_OK(dem_contacts(sim, &list, &n));
+    scoped dem_contact *list = grains_contacts(sim, &n);
     for (size_t k = 0; k < n; k++) wells += list[k].well == DEM_WELL_HOLDS;
     CU_ASSERT(wells > 3);
     dem_free(copy);
-    for (def.kernel = DEM_REFERENCE; def.kernel < DEM_KERNELS; def.kernel++) {
-        if (!dem_kernel_runs(def.kernel)) continue;
-        copy = grains_start(&def);
-        grains_run(copy, 6000, c);
-        CU_ASSERT(memcmp(s, c, sizeof s) == 0);
-        dem_free(copy);
+    GRAINS_EACH_KERNEL (kernel, DEM_REFERENCE) {
+        def.kernel = kernel;
+        scoped_sim *other = grains_after(&def, 6000);
+        CU_ASSERT(grains_same_bits(sim, other));
     }
     dem_free(sim);
 }
@@ -709,11 +689,9 @@ static void refused(void)
 #undef REFUSES
     dem_grain fast = {.x = 0.0, .y = 9.0, .r = R, .m = 1.0, .vx = 49.0}; /* half the skin: 50 dt */
     def.skin = 0.2, def.grains = &fast;
-    CHECK_OK(dem_create(&def, &sim));
-    CHECK_OK(dem_run(sim, 1));
-    dem_free(sim);
+    dem_free(grains_after(&def, 1));
     fast.vx = 51.0;
-    CHECK_OK(dem_create(&def, &sim));
+    sim = grains_start(&def);
     CHECK_FAILS(dem_run(sim, 1), RP_BROKEN,
                 "too_fast at step 0: grain 1: moves beyond its margin of the neighbour list, 0.1, in");
     CU_ASSERT(dem_sim_fault(sim) == DEM_FAULT_TOO_FAST);
@@ -724,12 +702,11 @@ static void refused(void)
         all[i] = (dem_grain){.x = 1.5 * i, .y = 9.0, .r = R, .m = 1.0, .vx = i < 14 ? 51.0 : 49.0};
     def.grains = all, def.n_grains = 21;
     char first[256] = "";
-    for (def.kernel = DEM_REFERENCE; def.kernel < DEM_KERNELS; def.kernel++) {
-        if (!dem_kernel_runs(def.kernel)) continue;
-        CHECK_OK(dem_create(&def, &sim));
-        CHECK_FAILS(dem_run(sim, 1), RP_BROKEN, first);
+    GRAINS_EACH_KERNEL (kernel, DEM_REFERENCE) {
+        def.kernel = kernel;
+        scoped_sim *several = grains_start(&def);
+        CHECK_FAILS(dem_run(several, 1), RP_BROKEN, first);
         snprintf(first, sizeof first, "%s", rp_message());
-        dem_free(sim);
     }
 }
 
@@ -744,23 +721,16 @@ static void slow_disk_hit_by_a_fast_one(void)
     def.hard = (dem_hard){true, 0.5, 0.3};
     def.dt = 6.6e-3, def.material.k_n = def.walls[0].material.k_n = 1e4;
     def.material.gamma_n = def.walls[0].material.gamma_n = 0.0;
-    dem_state s[DEM_KERNELS][3], wide[3];
-    dem_sim *sim;
+    dem_state s[3], wide[3];
     def.skin = 1.0; /* a list that holds them all */
-    CHECK_OK(dem_create(&def, &sim));
-    grains_run(sim, 40, wide);
-    dem_free(sim);
+    scoped_sim *one = grains_start(&def);
+    grains_run(one, 40, wide);
     def.skin = 0.0;
-    for (def.kernel = DEM_REFERENCE; def.kernel < DEM_KERNELS; def.kernel++) {
-        if (!dem_kernel_runs(def.kernel)) continue;
-        CHECK_OK(dem_create(&def, &sim));
-        CHECK_OK(dem_run(sim, 40)); /* in step 1 by 0.044, its margin was 0.041 */
-        CHECK_OK(dem_states(sim, s[def.kernel]));
-        for (int i = 0; i < 3; i++) {
-            CHECK_NEAR(s[def.kernel][i].y, wide[i].y, 1e-9);
-            CHECK_NEAR(s[def.kernel][i].vy, wide[i].vy, 1e-9);
-        }
-        dem_free(sim);
+    GRAINS_EACH_KERNEL (kernel, DEM_REFERENCE) {
+        def.kernel = kernel;
+        scoped_sim *sim = grains_start(&def);
+        grains_run(sim, 40, s); /* in step 1 by 0.044, its margin was 0.041 */
+        for (int i = 0; i < 3; i++) CHECK_PAIRS(1e-9, {s[i].y, wide[i].y}, {s[i].vy, wide[i].vy});
     }
 }
 

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "analytic/analytic.h"
-#include "angle/angle.h"
 #include "core/random.h"
 #include "dem/scene/scene.h"
 #include "stats/stats.h"
@@ -32,7 +31,7 @@ static const struct {
 
 enum { GRAINS = 5, STEPS = 80 };
 
-static void write_scene(const char *more)
+static void write_scene(void)
 {
     char walls[512] = "";
     for (int w = 1; w < 3; w++)
@@ -45,14 +44,14 @@ static void write_scene(const char *more)
                "dt = 1.0e-5; steps = %d; rotation = true; gravity = [40.0, -900.0];\n"
                "normal = { k_n = %g; gamma_n = 0.0; };\n"
                "tangential = { law = \"spring\"; k_s = %g; gamma_s = 0.0; mu = %g; };\n"
-               "rolling = { mu = %g; k = %g; gamma = 0.0; };\nwalls = ( %s );\n%s\n"
+               "rolling = { mu = %g; k = %g; gamma = 0.0; };\nwalls = ( %s );\n"
                "particles = ( { x = 0.31; y = 0.1; r = 0.1; vx = 3.0; vy = -9.0; omega = 20.0; },\n"
                "  { x = 0.5205; y = 0.1101; r = 0.11; vx = -4.0; vy = -2.0; omega = -31.0; angle = 0.3; },\n"
                "  { x = 0.38; y = 0.2771; r = 0.09; vx = 1.0; vy = -25.0; },\n"
                "  { x = 0.01; y = 0.1201; r = 0.08; m = 0.005; vx = -11.0; vy = -7.0; omega = 12.0; },\n"
                "  { x = 0.9; y = 0.6; r = 0.07; vx = 2.0; } );\n",
                STEPS, coefficients[0].k_n, coefficients[0].k_s, coefficients[0].mu, coefficients[0].mu_roll,
-               coefficients[0].k_roll, walls, more);
+               coefficients[0].k_roll, walls);
 }
 
 /* Row of a grain's state. */
@@ -160,20 +159,15 @@ static void check_states(checked *s, const sums *sum, double dt)
                    {"fy", sum->fy[id] - 900.0 * m});
         CHECK_EACH(at(s, row, NAME), 0.0, {"contacts", sum->contacts[id]}, {"fixed", 0.0});
         /* forces change by a few percent a step */
-        CHECK_NEAR((at(s, row, "vx") - at(s, before, "vx")) / dt,
-                   0.5 * (at(s, row, "fx") + at(s, before, "fx")) / m, 1e-9 * size / m);
-        CHECK_NEAR((at(s, row, "vy") - at(s, before, "vy")) / dt,
-                   0.5 * (at(s, row, "fy") + at(s, before, "fy")) / m, 1e-9 * size / m);
-        CHECK_NEAR((at(s, row, "omega") - at(s, before, "omega")) / dt, sum->torque[id] / inertia,
-                   0.15 * fabs(sum->torque[id]) / inertia);
-        CHECK_NEAR((at(s, row, "angle") - at(s, before, "angle")) / dt,
-                   0.5 * (at(s, row, "omega") + at(s, before, "omega")), 0.01 * fabs(at(s, row, "omega")));
-        CHECK_NEAR((at(s, row, "x") - at(s, before, "x")) / dt,
-                   0.5 * (at(s, row, "vx") + at(s, before, "vx")),
-                   0.01 * hypot(at(s, row, "vx"), at(s, row, "vy")));
-        CHECK_NEAR((at(s, row, "y") - at(s, before, "y")) / dt,
-                   0.5 * (at(s, row, "vy") + at(s, before, "vy")),
-                   0.01 * hypot(at(s, row, "vx"), at(s, row, "vy")));
+#define RATE(name) ((at(s, row, name) - at(s, before, name)) / dt)
+#define MEAN(name) (0.5 * (at(s, row, name) + at(s, before, name)))
+        CHECK_PAIRS(1e-9 * size / m, {RATE("vx"), MEAN("fx") / m}, {RATE("vy"), MEAN("fy") / m});
+        CHECK_NEAR(RATE("omega"), sum->torque[id] / inertia, 0.15 * fabs(sum->torque[id]) / inertia);
+        CHECK_NEAR(RATE("angle"), MEAN("omega"), 0.01 * fabs(at(s, row, "omega")));
+        CHECK_PAIRS(0.01 * hypot(at(s, row, "vx"), at(s, row, "vy")), {RATE("x"), MEAN("vx")},
+                    {RATE("y"), MEAN("vy")});
+#undef RATE
+#undef MEAN
     }
 }
 
@@ -215,7 +209,7 @@ static void test_scene(void)
 {
     const double dt = 1e-5;
     sums sum = {0};
-    write_scene("");
+    write_scene();
     GOOD("run scene.cfg --every 1 -o d");
     scoped_checked s = checked_read("d/states.tsv"), c = checked_read("d/contacts.tsv"),
                    w = checked_read("d/walls.tsv"), e = checked_read("d/energy.tsv");
@@ -278,7 +272,7 @@ static void test_units(void)
                  {"d/contacts.tsv", "1\ts\t1\t1\t1\tcm\tcm\tcm\tcm\tcm\tdyn\tdyn\tcm\tdyn cm\tcm"},
                  {"d/walls.tsv", "1\ts\t1\tcm\tcm\t1\t1\tcm\tcm\tdyn\tdyn"},
                  {"d/energy.tsv", "1\ts\t1\terg\terg\terg\terg\terg"}};
-    write_scene("");
+    write_scene();
     GOOD("run scene.cfg -o d");
     for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) {
         scoped_table t = read_table(lists[i].table);
@@ -288,6 +282,20 @@ static void test_units(void)
 }
 
 /* ---- the ledger ---- */
+
+/* The columns of the first row; a wrong one would have a wrong value. */
+static void check_distinct(checked *e, size_t n, const checked_value columns[])
+{
+    for (size_t k = 0; k < n; k++) {
+        NEAR_RELATIVE(at(e, 0, columns[k].name), columns[k].value, 1e-14);
+        for (size_t j = 0; j < k; j++)
+            CU_ASSERT(fabs(columns[k].value) > 1e-9 && columns[k].value != columns[j].value);
+        if (fabs(columns[k].value) < 1e-9) fprintf(stderr, "%s is 0\n", columns[k].name);
+    }
+}
+#define CHECK_DISTINCT(e, ...)                                                                               \
+    check_distinct(e, sizeof((checked_value[]){__VA_ARGS__}) / sizeof(checked_value),                        \
+                   (checked_value[]){__VA_ARGS__})
 
 /* Gravity turns, a wall rises, a grain leaves, wells break, collisions are hard, and every contact damps: no
  * column of the ledger is 0. Each against the member of that name. */
@@ -312,7 +320,6 @@ static void test_ledger(void)
     scoped_checked e = checked_read("d/energy.tsv");
     scoped_scene scene = {0};
     scoped_sim *sim = NULL;
-    dem_ledger l;
     dem_energy now;
     char path[256];
     path_of("scene.cfg", path);
@@ -320,35 +327,16 @@ static void test_ledger(void)
     CHECK_OK(dem_scene_start(&scene, &sim));
     CHECK_OK(dem_run(sim, scene.steps));
     dem_energies(sim, &now);
-    CU_ASSERT_FATAL(dem_ledger_read(sim, &l) && e.t.n_rows == 1);
-    const checked_value columns[] = {
-        CHECKED_FIELD(l, start),
-        CHECKED_FIELD(l, taken_out),
-        CHECKED_FIELD(l, gravity_turn),
-        CHECKED_FIELD(l, wall_work),
-        CHECKED_FIELD(l, normal_damping),
-        CHECKED_FIELD(l, shear_damping),
-        CHECKED_FIELD(l, sliding),
-        CHECKED_FIELD(l, rolling),
-        CHECKED_FIELD(l, wells),
-        CHECKED_FIELD(l, hard),
-        CHECKED_FIELD(l, integration),
-        CHECKED_FIELD(l, at_walls),
-        CHECKED_FIELD(l, turnover),
-        CHECKED_FIELD(now, kinetic),
-        CHECKED_FIELD(now, elastic),
-        CHECKED_FIELD(now, gravity),
-        CHECKED_FIELD(now, rotational),
-        {"kinetic_per_grain", (now.kinetic + now.rotational) / (double)dem_count(sim)},
-        {"grains", (double)dem_count(sim)},
-        {"step", 2500.0},
-        {"t", 0.05}};
-    for (size_t k = 0; k < sizeof columns / sizeof *columns; k++) {
-        NEAR_RELATIVE(at(&e, 0, columns[k].name), columns[k].value, 1e-14);
-        for (size_t j = 0; j < k; j++) /* a wrong column has a wrong value */
-            CU_ASSERT(fabs(columns[k].value) > 1e-9 && columns[k].value != columns[j].value);
-        if (fabs(columns[k].value) < 1e-9) fprintf(stderr, "%s is 0\n", columns[k].name);
-    }
+    const dem_ledger l = grains_ledger(sim);
+    CU_ASSERT_FATAL(e.t.n_rows == 1);
+    CHECK_DISTINCT(&e, CHECKED_FIELD(l, start), CHECKED_FIELD(l, taken_out), CHECKED_FIELD(l, gravity_turn),
+                   CHECKED_FIELD(l, wall_work), CHECKED_FIELD(l, normal_damping),
+                   CHECKED_FIELD(l, shear_damping), CHECKED_FIELD(l, sliding), CHECKED_FIELD(l, rolling),
+                   CHECKED_FIELD(l, wells), CHECKED_FIELD(l, hard), CHECKED_FIELD(l, integration),
+                   CHECKED_FIELD(l, at_walls), CHECKED_FIELD(l, turnover), CHECKED_FIELD(now, kinetic),
+                   CHECKED_FIELD(now, elastic), CHECKED_FIELD(now, gravity), CHECKED_FIELD(now, rotational),
+                   {"kinetic_per_grain", (now.kinetic + now.rotational) / (double)dem_count(sim)},
+                   {"grains", (double)dem_count(sim)}, {"step", 2500.0}, {"t", 0.05});
     CHECK_NEAR(at(&e, 0, "put_in"), 0.0, 0.0);
     CHECK_NEAR(at(&e, 0, "residual"), 0.0, 1e-12 * l.turnover);
 }
@@ -396,14 +384,12 @@ static void check_disks(checked *d, checked *c, checked *w, double eps)
     }
     for (int id = 1; id <= DISKS; id++) {
         const size_t i = (size_t)id - 1;
-        CHECK_NEAR(fx[id], 0.0, 1e-9);
-        CHECK_NEAR(fy[id], 1.0, 1e-9);
+        CHECK_PAIRS(1e-9, {fx[id], 0.0}, {fy[id], 1.0});
         CHECK_EACH(at(d, i, NAME), 0.0, {"id", id}, {"r", 0.5});
         /* in units of half a diameter and of a row's height the lattice has whole numbers */
         const double x_0 = 2.0 * (at(d, i, "x") - eps * at(d, i, "u_x")),
                      row = (at(d, i, "y") - eps * at(d, i, "u_y") - 0.5) / sqrt(0.75);
-        CHECK_NEAR(x_0, round(x_0), 1e-12);
-        CHECK_NEAR(row, round(row), 1e-12);
+        CHECK_PAIRS(1e-12, {x_0, round(x_0)}, {row, round(row)});
     }
 }
 
@@ -459,8 +445,7 @@ static void test_ensemble(void)
             stats_summary s;
             for (int r = 0; r < PILES; r++) v[r] = at(&each[r], i, columns[q][0]);
             CHECK_OK(stats_mean(PILES, v, &s));
-            CHECK_NEAR(at(&c, i, columns[q][0]), s.mean, 1e-13);
-            CHECK_NEAR(at(&c, i, columns[q][1]), s.se, 1e-13);
+            CHECK_PAIRS(1e-13, {at(&c, i, columns[q][0]), s.mean}, {at(&c, i, columns[q][1]), s.se});
         }
         const double width = at(&c, i, "N/mg") / at(&c, i, "N/(chi*g*B)");
         CHECK_NEAR(at(&c, i, "x/B"), 0.5 + 1.1 * ((double)i - 0.5 * (BASE - 1.0)) / width, 1e-13);
@@ -653,9 +638,7 @@ static void test_compare(void)
         CHECK_NEAR(cell(&t_more, g, "mu"), mu, 1e-15);
         CHECK_NEAR(cell(&t_more, g, "n"), g == 1 ? 2.0 : 1.0, 0.0);
         CHECK_EACH(cell(&t_more, g, NAME), 1e-12, {"theta_ms_deg", atan(3.0 * mu) * 180.0 / M_PI},
-                   {"theta_rt_deg", g == 0   ? 7.0
-                                    : g == 1 ? 13.25
-                                             : 17.0});
+                   {"theta_rt_deg", (double[]){7.0, 13.25, 17.0}[g]});
     }
     /* the word is that of the first form that is not ok */
     const char *first_word = "ok";
@@ -679,18 +662,14 @@ static void test_models(void)
     static const double x[] = {0.1, 0.4, 0.8};
     const double steep = tan(M_PI / 4.0), flat = tan(M_PI / 6.0);
     const double height[] = {0.1 * flat, 0.3 * flat + 0.1 * steep, 0.2 * flat};
-    GOOD("tent --outer-deg 30 --inner-deg 45 --x1 0.3 --at 0.1,0.4,0.8");
-    scoped_checked tent = checked_read("out");
-    CU_ASSERT_FATAL(tent.t.n_rows == 3);
+    scoped_checked tent = CHECKED_RUN(3, "tent --outer-deg 30 --inner-deg 45 --x1 0.3 --at 0.1,0.4,0.8");
     for (size_t i = 0; i < 3; i++) {
         CHECK_NEAR(at(&tent, i, "x/B"), x[i], 0.0);
         CHECK_NEAR(at(&tent, i, "y/B"), height[i], 1e-14);
         CU_ASSERT(at(&tent, i, "N/(chi*g*B)") > 0.0 && at(&tent, i, "N/(chi*g*B)") < height[1]);
         CU_ASSERT((at(&tent, i, "H/(chi*g*B)") > 0.0) == (x[i] > 0.5));
     }
-    GOOD("lattice --layers 5");
-    scoped_checked lattice = checked_read("out");
-    CU_ASSERT_FATAL(lattice.t.n_rows == 5);
+    scoped_checked lattice = CHECKED_RUN(5, "lattice --layers 5");
     const double width = at(&lattice, 0, "N/mg") / at(&lattice, 0, "N/(chi*g*B)");
     for (size_t i = 0; i < 5; i++) {
         const double N = 3.0, H = ((double)i - 2.0) / sqrt(3.0);
@@ -724,7 +703,9 @@ static void check_named(checked *c, size_t row, size_t n, const checked_value li
             CU_ASSERT(list[k].value != list[j].value || strchr("nx", *list[k].name));
     }
 }
-#define CHECK_NAMED(c, row, list) check_named(c, row, sizeof(list) / sizeof *(list), list)
+#define CHECK_NAMED(c, row, ...)                                                                             \
+    check_named(c, row, sizeof((checked_value[]){__VA_ARGS__}) / sizeof(checked_value),                      \
+                (checked_value[]){__VA_ARGS__})
 
 enum { POINTS = 14 };
 
@@ -748,60 +729,32 @@ static void test_fits(void)
     stats_line free_line, origin;
     write_points(x, y, se);
     CHECK_OK(stats_trend_fit(&(stats_sample){POINTS, x, y, NULL, 0.0, false, 0.7}, &t));
-    GOOD("stats trend points.tsv -x x -y y --margin 0.7");
-    checked c = checked_read("out");
+    checked c = CHECKED_RUN(1, "stats trend points.tsv -x x -y y --margin 0.7");
     none_failed(&c);
     stats_contrast_interval(&t.change, 0.95, &lo[0], &hi[0]);
     stats_contrast_interval(&t.change, 0.90, &lo[1], &hi[1]);
-    const checked_value trend[] = {{"n", POINTS},
-                                   {"n_left", 0.0},
-                                   {"n_x", 4.0},
-                                   {"x_from", 1.0},
-                                   {"x_to", 5.0},
-                                   {"slope", t.slope.value},
-                                   {"slope_se", t.slope.se},
-                                   {"dof", t.slope.dof},
-                                   {"change", 4.0 * t.slope.value},
-                                   {"change_se", 4.0 * t.slope.se},
-                                   {"change_lo", lo[0]},
-                                   {"change_hi", hi[0]},
-                                   {"p_value", stats_contrast_p(&t.change)},
-                                   {"bend", t.bend.value},
-                                   {"bend_se", t.bend.se},
-                                   {"p_bend", stats_contrast_p(&t.bend)},
-                                   {"change_lo90", lo[1]},
-                                   {"change_hi90", hi[1]},
-                                   CHECKED_FIELD(t, p_margin),
-                                   {"pair", t.pair.value},
-                                   {"pair_se", t.pair.se},
-                                   CHECKED_FIELD(t, p_pairs)};
-    CHECK_NAMED(&c, 0, trend);
+    CHECK_NAMED(&c, 0, {"n", POINTS}, {"n_left", 0.0}, {"n_x", 4.0}, {"x_from", 1.0}, {"x_to", 5.0},
+                {"slope", t.slope.value}, {"slope_se", t.slope.se}, {"dof", t.slope.dof},
+                {"change", 4.0 * t.slope.value}, {"change_se", 4.0 * t.slope.se}, {"change_lo", lo[0]},
+                {"change_hi", hi[0]}, {"p_value", stats_contrast_p(&t.change)}, {"bend", t.bend.value},
+                {"bend_se", t.bend.se}, {"p_bend", stats_contrast_p(&t.bend)}, {"change_lo90", lo[1]},
+                {"change_hi90", hi[1]}, CHECKED_FIELD(t, p_margin), {"pair", t.pair.value},
+                {"pair_se", t.pair.se}, CHECKED_FIELD(t, p_pairs));
     CHECK_NEAR(at(&c, 0, "p_holm"), stats_contrast_p(&t.change), 1e-15); /* one test alone */
     CHECKED_WORD(&c, 0, "verdict", "rises");
     checked_end(&c);
 
     for (int i = 0; i < POINTS; i++) inverse[i] = 1.0 / x[i];
     CHECK_OK(stats_trend_fit(&(stats_sample){POINTS, inverse, y, NULL, -2.0, false, 1.0}, &t));
-    GOOD("stats size points.tsv -x x -y y");
-    c = checked_read("out");
+    c = CHECKED_RUN(1, "stats size points.tsv -x x -y y");
     none_failed(&c);
     stats_contrast_interval(&t.intercept, 0.95, &lo[2], &hi[2]);
     stats_contrast_interval(&t.slope, 0.95, &lo[3], &hi[3]);
-    const checked_value size[] = {{"n", POINTS},
-                                  {"n_x", 4.0},
-                                  {"x_from", 1.0},
-                                  {"x_to", 5.0},
-                                  {"limit", t.intercept.value},
-                                  {"limit_se", t.intercept.se},
-                                  {"limit_lo", lo[2]},
-                                  {"limit_hi", hi[2]},
-                                  {"c", t.slope.value},
-                                  {"c_se", t.slope.se},
-                                  {"c_lo", lo[3]},
-                                  {"c_hi", hi[3]},
-                                  {"p_value", stats_contrast_p(&t.slope)},
-                                  {"p_bend", stats_contrast_p(&t.bend)}};
-    CHECK_NAMED(&c, 0, size);
+    CHECK_NAMED(&c, 0, {"n", POINTS}, {"n_x", 4.0}, {"x_from", 1.0}, {"x_to", 5.0},
+                {"limit", t.intercept.value}, {"limit_se", t.intercept.se}, {"limit_lo", lo[2]},
+                {"limit_hi", hi[2]}, {"c", t.slope.value}, {"c_se", t.slope.se}, {"c_lo", lo[3]},
+                {"c_hi", hi[3]}, {"p_value", stats_contrast_p(&t.slope)},
+                {"p_bend", stats_contrast_p(&t.bend)});
     CHECK_NEAR(at(&c, 0, "p_holm"), stats_contrast_p(&t.slope), 1e-15);
     at(&c, 0, "status");
     checked_end(&c);
@@ -812,12 +765,9 @@ static void test_fits(void)
     none_failed(&c);
     for (size_t row = 0; row < 2; row++) {
         const stats_line *l = row ? &origin : &free_line;
-        const checked_value line[] = {{"slope", l->slope},           {"slope_se", l->slope_se},
-                                      {"intercept", l->intercept},   {"intercept_se", l->intercept_se},
-                                      {"covariance", l->covariance}, {"chi2", l->chi2},
-                                      {"p_value", l->p_value}};
-        for (size_t k = 0; k < sizeof line / sizeof *line; k++)
-            CHECK_NEAR(at(&c, row, line[k].name), line[k].value, 1e-12 * fabs(line[k].value) + 1e-15);
+        CHECK_EACH(at(&c, row, NAME), 1e-12 * fabs(NAMED_VALUE) + 1e-15, {"slope", l->slope},
+                   {"slope_se", l->slope_se}, {"intercept", l->intercept}, {"intercept_se", l->intercept_se},
+                   {"covariance", l->covariance}, {"chi2", l->chi2}, {"p_value", l->p_value});
         CHECK_EACH(at(&c, row, NAME), 0.0, {"dof", POINTS - 2.0 + (double)row}, {"n", POINTS},
                    {"x_from", 1.0}, {"x_to", 5.0});
         double residual = 0.0;
@@ -939,12 +889,8 @@ static void test_correlations(void)
             const size_t row = k * GROUPS + g;
             stats_correlation r;
             CHECK_OK(stats_correlate(grouped.n[g], k ? grouped.v[g] : grouped.x[g], grouped.y[g], &r));
-            const checked_value list[] = {{"n", (double)r.n},
-                                          {"correlation", r.value},
-                                          {"correlation_se", r.se},
-                                          {"correlation_lo", r.lo},
-                                          {"correlation_hi", r.hi}};
-            checked_row(&c, row, sizeof list / sizeof *list, list, 1e-14);
+            CHECK_EACH(at(&c, row, NAME), 1e-14, {"n", (double)r.n}, {"correlation", r.value},
+                       {"correlation_se", r.se}, {"correlation_lo", r.lo}, {"correlation_hi", r.hi});
             CU_ASSERT(*checked_word(&c, row, "g") == "abc"[g]);
             CHECKED_WORD(&c, row, "quantity", names[k]);
         }

@@ -86,18 +86,15 @@ static bool same_states(units u, const dem_sim *one, const dem_sim *other)
 
 static bool same_contacts(units u, const dem_sim *one, const dem_sim *other)
 {
-    dem_contact *list[2];
     size_t n[2];
-    CHECK_OK(dem_contacts(one, &list[0], &n[0]));
-    CHECK_OK(dem_contacts(other, &list[1], &n[1]));
+    scoped dem_contact *first = grains_contacts(one, &n[0]), *second = grains_contacts(other, &n[1]);
     bool same = n[0] == n[1];
-    for (const dem_contact *a = list[0], *b = list[1]; same && a < list[0] + n[0]; a++, b++) {
+    for (const dem_contact *a = first, *b = second; same && a < first + n[0]; a++, b++) {
         same &= a->id_a == b->id_a && a->id_b == b->id_b && a->wall == b->wall && a->well == b->well;
         SAME(x, 1, 0, 0), SAME(y_b, 1, 0, 0), SAME(overlap, 1, 0, 0);
         SAME(normal_force, 1, 1, -2), SAME(shear_force, 1, 1, -2), SAME(shear_spring, 1, 0, 0);
         SAME(rolling_torque, 2, 1, -2), SAME(rolling_spring, 1, 0, 0);
     }
-    free(list[0]), free(list[1]);
     return same;
 }
 
@@ -130,11 +127,9 @@ static bool same_energies(units u, const dem_sim *one, const dem_sim *other)
 
 static bool same_work(units u, const dem_sim *one, const dem_sim *other)
 {
-    dem_counts a, b;
+    const dem_counts a = grains_counts(one), b = grains_counts(other);
     double force[2][2 * DEM_FEW_WALLS] = {{0.0}, {0.0}};
     bool same = true;
-    dem_count_work(one, &a);
-    dem_count_work(other, &b);
     grains_wall_forces(one, force[0]);
     grains_wall_forces(other, force[1]);
     for (int k = 0; k < 2 * DEM_FEW_WALLS; k++) same &= to(u, force[0][k], 1, 1, -2) == force[1][k];

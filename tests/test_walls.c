@@ -14,18 +14,6 @@
 static const double R = 0.1, M = 0.0042;
 static gsl_rng *stream;
 
-/* The simulation of a valid scene; the scene's steps. */
-static dem_sim *start_text(const char *text, long *steps)
-{
-    scoped_scene scene = {0};
-    dem_sim *sim = NULL;
-    CHECK_OK(grains_read(text, NULL, &scene));
-    CHECK_OK(dem_scene_start(&scene, &sim));
-    CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
-    if (steps) *steps = scene.steps;
-    return sim;
-}
-
 /* ---- closed forms ---- */
 
 /* A piston that hits a grain at rest gives it V (1 + e). No grain moves until then: the piston's own way must
@@ -55,8 +43,7 @@ static void piston(void)
         CHECK_NEAR(grains_state_of_one(sim).vx, v, tolerance * v);
         CHECK_NEAR(grains_state_of_one(sim).vy, 0.0, 0.0);
         /* the piston's work is V times the impulse; the rest is lost */
-        dem_ledger l;
-        CU_ASSERT(dem_ledger_read(sim, &l));
+        const dem_ledger l = grains_ledger(sim);
         CHECK_NEAR(l.wall_work, M * v * V, 2.0 * tolerance * M * v * V);
         CHECK_NEAR(hard ? l.hard : l.normal_damping, M * v * (V - 0.5 * v), 4.0 * tolerance * M * v * V);
         CHECK_NEAR(l.residual, 0.0, 1e-13 * l.turnover);
@@ -97,8 +84,7 @@ static void speed_of_a_wall(void)
         for (size_t e = 0; e < 4; e++) {
             dem_grain grains[3] = {{.x = 0.5, .y = 0.1}, {.x = 1.0, .y = 0.5}, {.x = -0.2, .y = 0.9}};
             grains[far] = (dem_grain){.x = PIVOT[0] + 5.0, .y = PIVOT[1] - 12.0};
-            dem_definition def = dem_definition_default();
-            grains_on_floor(&def, 3, grains);
+            dem_definition def = grains_floored(3, grains);
             dem_wall *w = &def.walls[0];
             CU_ASSERT(dem_wall_speed(&def, w) == 0.0);
             w->velocity[0] = 3.0, w->velocity[1] = -4.0;
@@ -146,10 +132,9 @@ static void lines_of_walls(void)
         CU_ASSERT(l->moves == (w < 4) && !l->plain);
         if (w == 4) continue;
         const double angle = (w % 2 ? 3.0 : -2.0) * DT; /* clockwise */
-        CHECK_NEAR(isinf(reach[w]) ? !isinf(l->reach) : l->reach - sqrt(reach[w]), 0.0, 1e-15);
-        CHECK_NEAR(l->turn_of_step[0], cos(angle), 1e-15);
-        CHECK_NEAR(l->turn_of_step[1], sin(angle), 1e-15);
-        CHECK_NEAR(l->swing[0], 2.0 * sin(0.5 * angle) * sin(0.5 * angle) / DT, 1e-15);
+        CHECK_PAIRS(1e-15, {isinf(reach[w]) ? !isinf(l->reach) : l->reach - sqrt(reach[w]), 0.0},
+                    {l->turn_of_step[0], cos(angle)}, {l->turn_of_step[1], sin(angle)},
+                    {l->swing[0], 2.0 * sin(0.5 * angle) * sin(0.5 * angle) / DT});
         CHECK_NEAR(l->swing[1], sin(angle) / DT, 1e-12);
         CHECK_NEAR(l->drift[0] + l->drift[1], w ? 0.0 : -10.0, 1e-15);
     }
@@ -179,8 +164,7 @@ static void height_of_a_wall(void)
         const double low = 2.0, lowest = grain_lowest ? 3.0 : low; /* depths below the origin */
         dem_grain grains[2] = {{.x = 0.0},
                                {.x = DOWN[0] * lowest * grain_lowest, .y = DOWN[1] * lowest * grain_lowest}};
-        dem_definition def = dem_definition_default();
-        grains_on_floor(&def, 2, grains);
+        dem_definition def = grains_floored(2, grains);
         def.n_walls = 3;
         for (int a = 0; a < 2; a++) def.gravity[a] = G * DOWN[a];
         dem_wall *lift = &def.walls[first ? 0 : 2];
@@ -227,7 +211,7 @@ static void galilean(void)
         scoped_sim *sim = grains_start(&def);
         grains_run(sim, 1200, s[moving]);
         CU_ASSERT(s[moving][0].omega != 30.0 && s[moving][1].omega != 0.0); /* both have touched */
-        CU_ASSERT(dem_ledger_read(sim, &l[moving]));
+        l[moving] = grains_ledger(sim);
         t = dem_time(sim);
     }
     /* losses are those of relative motion; the walls' work is not */
@@ -235,8 +219,7 @@ static void galilean(void)
     CHECK_NEAR(l[1].normal_damping, l[0].normal_damping, 1e-8 * l[0].normal_damping);
     CU_ASSERT(l[0].sliding > 0.0 && l[0].normal_damping > 0.0 && l[1].wall_work != l[0].wall_work);
     for (int i = 0; i < 2; i++) {
-        CHECK_NEAR(s[1][i].x, s[0][i].x + V[0] * t, 1e-10);
-        CHECK_NEAR(s[1][i].y, s[0][i].y + V[1] * t, 1e-10);
+        CHECK_PAIRS(1e-10, {s[1][i].x, s[0][i].x + V[0] * t}, {s[1][i].y, s[0][i].y + V[1] * t});
         CHECK_NEAR(s[1][i].omega, s[0][i].omega, 1e-7);
     }
 }
@@ -258,8 +241,7 @@ static void turning_box(void)
         grains_run(sim, 1500, s[own]);
     }
     for (int i = 0; i < 9; i++) {
-        CHECK_NEAR(s[1][i].x, s[0][i].x, 1e-9);
-        CHECK_NEAR(s[1][i].y, s[0][i].y, 1e-9);
+        CHECK_PAIRS(1e-9, {s[1][i].x, s[0][i].x}, {s[1][i].y, s[0][i].y});
         CHECK_NEAR(s[1][i].angle, s[0][i].angle, 1e-7);
     }
 }
@@ -268,9 +250,8 @@ static void turning_box(void)
 static void list_of_a_turning_box(void)
 {
     dem_grain grain = {.x = 1.0, .y = 1.0, .r = R, .m = M};
-    dem_definition def = dem_definition_default();
+    dem_definition def = grains_floored(1, &grain);
     def.gravity[1] = 0.0;
-    grains_on_floor(&def, 1, &grain);
     def.box_turn_per_step = 1e-5, def.turn_from_step = 10;
     scoped_sim *sim = grains_after(&def, 10);
     const long before = sim->count.rebuilds;
@@ -287,16 +268,15 @@ static void list_of_a_turning_box(void)
 static void where_it_is(void)
 {
     dem_grain grain = {.x = -5.0, .y = 5.0, .r = R, .m = M};
-    dem_definition def = dem_definition_default();
+    dem_definition def = grains_floored(1, &grain);
     def.gravity[1] = 0.0;
-    grains_on_floor(&def, 1, &grain);
     def.walls[0].velocity[0] = 3.0, def.walls[0].velocity[1] = -2.0;
     def.walls[0].pivot[0] = 1.0, def.walls[0].omega = 0.5 * M_PI / (1000 * def.dt);
     scoped_sim *sim = grains_after(&def, 1000);
     /* the origin was at the pivot's left, and is below it after a quarter turn */
-    CHECK_NEAR(sim->walls.line[0].point[0], 1.0 + 3.0 * dem_time(sim), 1e-12);
-    CHECK_NEAR(sim->walls.line[0].point[1], -1.0 - 2.0 * dem_time(sim), 1e-12);
-    CHECK_NEAR(sim->walls.line[0].direction[0], -1.0, 1e-12);
+    const dem_wall_line *l = &sim->walls.line[0];
+    CHECK_PAIRS(1e-12, {l->point[0], 1.0 + 3.0 * dem_time(sim)}, {l->point[1], -1.0 - 2.0 * dem_time(sim)},
+                {l->direction[0], -1.0});
 }
 
 /* ---- drums: ledger, kernels, snapshots ---- */
@@ -329,9 +309,8 @@ static void drum_ledger(void)
 {
     for (int k = 0; k < 2; k++) {
         scoped_sim *sim = drum(DEM_FAST, true, k ? DEM_GEAR5 : DEM_VERLET);
-        dem_ledger l;
         CHECK_OK(dem_run(sim, 1500));
-        CU_ASSERT(dem_ledger_read(sim, &l));
+        const dem_ledger l = grains_ledger(sim);
         CHECK_NEAR(l.residual, 0.0, 1e-13 * l.turnover);
         CU_ASSERT(fabs(l.wall_work) > 1e-4 * l.turnover && l.sliding > 0.0 && l.normal_damping > 0.0);
     }
@@ -341,8 +320,7 @@ static void drum_kernels(void)
 {
     scoped_sim *reference = drum(DEM_REFERENCE, false, DEM_VERLET);
     CHECK_OK(dem_run(reference, 1500));
-    for (dem_kernel_choice k = DEM_FAST; k < DEM_KERNELS; k++) {
-        if (!dem_kernel_runs(k)) continue;
+    GRAINS_EACH_KERNEL (k, DEM_FAST) {
         scoped_sim *sim = drum(k, false, DEM_VERLET);
         CHECK_OK(dem_run(sim, 1500));
         CU_ASSERT(grains_same_bits(reference, sim));
@@ -353,22 +331,14 @@ static void drum_kernels(void)
 static void drum_snapshot(void)
 {
     for (int ledger = 0; ledger < 2; ledger++) {
-        dem_sim *sim = drum(DEM_FAST, ledger, DEM_VERLET), *clone, *kept;
+        dem_sim *sim = drum(DEM_FAST, ledger, DEM_VERLET), *clone;
         CHECK_OK(dem_run(sim, 6000));
         int touching = 0;
         for (uint32_t id = 1; id <= dem_count(sim); id++) touching += dem_contact_count(sim, id);
         CU_ASSERT(touching > 5);
         CHECK_OK(dem_clone(sim, &clone));
-        rp_snapshot s = {0};
-        dem_keep(&s, &sim);
-        CHECK_OK(s.status);
-        s.reading = true;
-        s.path = "memory";
-        dem_keep(&s, &kept);
-        CHECK_OK(rp_snapshot_end(&s));
-        free(s.bytes);
         double forces[3][2 * 67];
-        dem_sim *const all[] = {sim, clone, kept};
+        dem_sim *const all[] = {sim, clone, grains_kept(sim)};
         for (int k = 0; k < 3; k++) {
             CHECK_OK(dem_run(all[k], 800));
             grains_wall_forces(all[k], forces[k]);
@@ -390,17 +360,15 @@ static void inside(void)
                                          "[-0.7, 0.5], [-1.6, -0.2], [-0.5, -0.4] ); omega = -5.0;",
                                          "circle = [0.0, 0.0, 0.9]; sides = 400; omega = 10.0;"};
     for (int k = 0; k < 3; k++) {
-        char text[1024];
-        snprintf(text, sizeof text,
-                 "rotation = true; dt = 2e-5; steps = 12000; tangential = { law = \"spring\"; mu = 0.3; };\n"
-                 "walls = ( { %s } ); fill = { N = 24; W = 1.0; H = 0.9; x0 = -0.5; y0 = -0.35; radius_mean "
-                 "= 0.06;\n"
-                 "radius_min = 0.05; radius_max = 0.07; };\n",
-                 shapes[k]);
-        long steps;
-        scoped_sim *sim = start_text(text, &steps);
+        scoped_sim *sim = grains_after_text(
+            12000,
+            "rotation = true; dt = 2e-5; steps = 12000; tangential = { law = \"spring\"; mu = 0.3; };\n"
+            "walls = ( { %s } ); fill = { N = 24; W = 1.0; H = 0.9; x0 = -0.5; y0 = -0.35; radius_mean "
+            "= 0.06;\n"
+            "radius_min = 0.05; radius_max = 0.07; };\n",
+            shapes[k]);
         dem_state s[24];
-        grains_run(sim, steps, s);
+        CHECK_OK(dem_states(sim, s));
         for (size_t i = 0; i < dem_count(sim); i++) {
             int crossings = 0; /* of a ray to the right with the sides */
             for (size_t w = 0; w < sim->def.n_walls; w++) {
@@ -471,13 +439,13 @@ static void cut_surfaces(void)
         cut_surface(&s, &def.material);
         const dem_wall *first = &s.whole[0];
         const double along = k % 5 ? 0.1 : s.whole[0].extent[1], speed = pow(10.0, between(-1.0, 1.7));
-        const dem_grain grain = {
-            .x = first->point[0] + along * first->direction[1] + 0.1001 * first->direction[0],
-            .y = first->point[1] - along * first->direction[0] + 0.1001 * first->direction[1],
-            .r = 0.1,
-            .m = M,
-            .vx = speed * first->direction[1],
-            .vy = -speed * first->direction[0]};
+        const double *at = first->point, *n = first->direction;
+        const dem_grain grain = {at[0] + along * n[1] + 0.1001 * n[0],
+                                 at[1] - along * n[0] + 0.1001 * n[1],
+                                 0.1,
+                                 M,
+                                 speed * n[1],
+                                 -speed * n[0]};
         for (int cut = 0; cut < 2; cut++) {
             def.grains = &grain, def.n_grains = 1;
             def.wall_list = cut ? s.cut : s.whole, def.n_walls = cut ? s.n_cut : s.n;
@@ -486,10 +454,8 @@ static void cut_surfaces(void)
             end[cut] = grains_state_of_one(sim);
         }
         const double size = 1.0 + hypot(end[0].x, end[0].y), v = speed + 60.0;
-        CHECK_NEAR(end[0].x, end[1].x, 1e-7 * size);
-        CHECK_NEAR(end[0].y, end[1].y, 1e-7 * size);
-        CHECK_NEAR(end[0].vx, end[1].vx, 1e-6 * v);
-        CHECK_NEAR(end[0].vy, end[1].vy, 1e-6 * v);
+        CHECK_PAIRS(1e-7 * size, {end[0].x, end[1].x}, {end[0].y, end[1].y});
+        CHECK_PAIRS(1e-6 * v, {end[0].vx, end[1].vx}, {end[0].vy, end[1].vy});
         CHECK_NEAR(end[0].omega, end[1].omega, 1e-6 * v / 0.1);
     }
     gsl_rng_free(stream);
@@ -503,8 +469,7 @@ static void landing_on_a_joint(void)
     double rebound = 0.0;
     for (int k = -1; k < 10; k++) {
         dem_grain grain = {.x = k < 0 ? 0.5 : x[k % 5], .y = 0.15, .r = R, .m = M};
-        dem_definition def = dem_definition_default();
-        grains_on_floor(&def, 1, &grain);
+        dem_definition def = grains_floored(1, &grain);
         def.n_walls = 2;
         for (int w = 0; w < 2; w++) {
             const bool left = (w == 0) == (k < 5);
@@ -514,8 +479,7 @@ static void landing_on_a_joint(void)
         scoped_sim *sim = grains_after(&def, 240);
         const dem_state s = grains_state_of_one(sim);
         if (k < 0) rebound = s.vy;
-        CHECK_NEAR(s.vy, rebound, 1e-9 * rebound);
-        CHECK_NEAR(s.vx, 0.0, 1e-9 * rebound);
+        CHECK_PAIRS(1e-9 * rebound, {s.vy, rebound}, {s.vx, 0.0});
     }
     CU_ASSERT(rebound > 1.0);
 }
@@ -526,17 +490,15 @@ static void flush_gate(void)
 {
     static const char *const gates[] = {"open_at_step = 30000;", "open_at_step = 30000; open_speed = 2.0;"};
     for (int k = 0; k < 4; k++) {
-        char text[1024];
         const char *ends[] = {"[0.0, 0.0], [1.0, 0.0]", "[1.0, 0.0], [0.0, 0.0]"};
-        snprintf(text, sizeof text,
-                 "dt = 5.0e-5; steps = 60000; normal = { gamma_n = 200.0; }; walls = (\n"
-                 "{ polygon = ( [-1.0, 0.0], [0.0, 0.0] ); closed = false; }, { polygon = ( %s ); closed = "
-                 "false; %s },\n"
-                 "{ point = [2.0, 0.0]; direction = [0.0, -1.0]; extent = [0.0, 1.0]; } );\n"
-                 "particles = ( { x = -0.1; y = 0.1; r = 0.1; vx = 0.4; } );\n",
-                 ends[k / 2], gates[k % 2]);
-        scoped_sim *sim = start_text(text, NULL);
-        CHECK_OK(dem_run(sim, 29000));
+        scoped_sim *sim = grains_after_text(
+            29000,
+            "dt = 5.0e-5; steps = 60000; normal = { gamma_n = 200.0; }; walls = (\n"
+            "{ polygon = ( [-1.0, 0.0], [0.0, 0.0] ); closed = false; }, { polygon = ( %s ); closed = "
+            "false; %s },\n"
+            "{ point = [2.0, 0.0]; direction = [0.0, -1.0]; extent = [0.0, 1.0]; } );\n"
+            "particles = ( { x = -0.1; y = 0.1; r = 0.1; vx = 0.4; } );\n",
+            ends[k / 2], gates[k % 2]);
         CHECK_NEAR(grains_state_of_one(sim).x, -0.1 + 0.4 * dem_time(sim), 1e-9);
         CHECK_OK(dem_run(sim, 31000));
         CU_ASSERT(grains_state_of_one(sim).y < -0.5);
@@ -596,8 +558,8 @@ static void mirror_images(void)
         for (int k = 0; k < 2; k++) {
             char text[4096];
             print_scene(text, sizeof text, run, k ? -1.0 : 1.0);
-            scoped_sim *sim = start_text(text, NULL);
-            grains_run(sim, 3000, s[k]);
+            scoped_sim *sim = grains_after_text(3000, "%s", text);
+            CHECK_OK(dem_states(sim, s[k]));
             n[k] = dem_count(sim);
             wall[k] = dem_wall_now(sim, 4);
         }
@@ -605,8 +567,7 @@ static void mirror_images(void)
         CHECK_NEAR(wall[0].ends[0], wall[1].ends[0], 1e-12);
         for (size_t i = 0; i < n[0] && i < n[1]; i++) {
             CU_ASSERT_EQUAL(s[0][i].id, s[1][i].id);
-            CHECK_NEAR(s[0][i].x, -s[1][i].x, 1e-6);
-            CHECK_NEAR(s[0][i].y, s[1][i].y, 1e-6);
+            CHECK_PAIRS(1e-6, {s[0][i].x, -s[1][i].x}, {s[0][i].y, s[1][i].y});
             CHECK_NEAR(s[0][i].vx, -s[1][i].vx, 1e-3);
             CHECK_NEAR(s[0][i].omega, -s[1][i].omega, 1e-2);
         }
@@ -642,13 +603,12 @@ static void contacts_at_corners(void)
                  {"[0.0, -5.0], [1.0, -5.0]", 0.3, -4.901, 1},
                  {"[0.0, -5.0], [0.0, -4.0]", 0.099, -4.901, 2}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        char text[512];
-        snprintf(text, sizeof text,
-                 "steps = 0; walls = ( { point = [0.0, -5.0]; direction = [0.0, 1.0]; },\n"
-                 "{ polygon = ( %s ); closed = false; } );\n"
-                 "particles = ( { x = %.17g; y = %.17g; r = 0.1; } );\n",
-                 cases[k].polygon, cases[k].x, cases[k].y);
-        scoped_sim *sim = start_text(text, NULL);
+        scoped_sim *sim =
+            grains_after_text(0,
+                              "steps = 0; walls = ( { point = [0.0, -5.0]; direction = [0.0, 1.0]; },\n"
+                              "{ polygon = ( %s ); closed = false; } );\n"
+                              "particles = ( { x = %.17g; y = %.17g; r = 0.1; } );\n",
+                              cases[k].polygon, cases[k].x, cases[k].y);
         CU_ASSERT_EQUAL(dem_contact_count(sim, 1), cases[k].contacts);
     }
 }
@@ -690,8 +650,7 @@ static void joints(void)
                                    0.02, 0.049, 0.051, 0.5,    1.5,    2.5};
     for (size_t t = 0; t < sizeof turns / sizeof *turns; t++) {
         dem_grain grain = {.x = -0.5, .y = 0.5, .r = R, .m = M};
-        dem_definition def = dem_definition_default();
-        grains_on_floor(&def, 1, &grain);
+        dem_definition def = grains_floored(1, &grain);
         def.n_walls = 2;
         for (int w = 0; w < 2; w++) {
             const double angle = w ? turns[t] : 0.0;
@@ -714,11 +673,10 @@ static void joints(void)
  * to 1e-4 over hundreds of joints. A side's end that pushed as well would be a kick at each. */
 static void bowl(void)
 {
-    scoped_sim *sim = start_text("steps = 20000; dt = 1.0e-5; gravity = [0.0, -981.0];\n"
-                                 "normal = { law = \"linear\"; k_n = 1.0e5; gamma_n = 0.0; };\n"
-                                 "walls = ( { circle = [0.0, 0.0, 2.0]; sides = 300; } );\n"
-                                 "particles = ( { x = 1.8994; y = 0.0; r = 0.1; } );\n",
-                                 NULL);
+    scoped_sim *sim = grains_after_text(0, "steps = 20000; dt = 1.0e-5; gravity = [0.0, -981.0];\n"
+                                           "normal = { law = \"linear\"; k_n = 1.0e5; gamma_n = 0.0; };\n"
+                                           "walls = ( { circle = [0.0, 0.0, 2.0]; sides = 300; } );\n"
+                                           "particles = ( { x = 1.8994; y = 0.0; r = 0.1; } );\n");
     const double before = grains_energy(sim);
     CHECK_OK(dem_run(sim, 20000));
     const dem_state s = grains_state_of_one(sim);
@@ -741,10 +699,8 @@ static void normalised(void)
     CHECK_NEAR(s.def.walls[0].direction[0], 0.6, 1e-16);
     CU_ASSERT(s.def.walls[1].direction[0] == 0.6 && s.def.walls[1].direction[1] == 0.8);
     const dem_wall *bottom = &s.def.walls[5]; /* the side that ends where the first begins */
-    CHECK_NEAR(bottom->point[0], 1.0 - 3.0 * sqrt(0.5), 1e-14);
-    CHECK_NEAR(bottom->point[1], 2.0 - 3.0 * sqrt(0.5), 1e-14);
-    CHECK_NEAR(bottom->direction[1], 1.0, 1e-14);
-    CHECK_NEAR(bottom->extent[1], 3.0 * sqrt(2.0), 1e-14);
+    CHECK_PAIRS(1e-14, {bottom->point[0], 1.0 - 3.0 * sqrt(0.5)}, {bottom->point[1], 2.0 - 3.0 * sqrt(0.5)},
+                {bottom->direction[1], 1.0}, {bottom->extent[1], 3.0 * sqrt(2.0)});
     CU_ASSERT(bottom->pivot[0] == 1.0 && bottom->pivot[1] == 2.0 && bottom->velocity[1] == 2.0);
 }
 
@@ -758,13 +714,11 @@ static void lower_ends(void)
                                         "point = [-2.0, 0.0]; direction = [1.0, 0.0]; extent = [-9e9, 0.0];",
                                         "polygon = ( [3.0, 0.0], [-3.0, 0.0] ); closed = false;"};
     for (int k = 0; k < 6; k++) {
-        char text[512];
         scoped_scene s = {0};
-        snprintf(text, sizeof text,
-                 "walls = ( { %s open_at_step = 1; open_speed = 5.0; } );\n"
-                 "particles = ( { x = 0.0; y = 6.0; r = 0.1; } );\n",
-                 gates[k]);
-        CHECK_OK(grains_read(text, NULL, &s));
+        CHECK_OK(grains_read_as(&s,
+                                "walls = ( { %s open_at_step = 1; open_speed = 5.0; } );\n"
+                                "particles = ( { x = 0.0; y = 6.0; r = 0.1; } );\n",
+                                gates[k]));
         const dem_wall *w = &s.def.walls[0];
         CHECK_NEAR(w->point[1] - w->extent[0] * w->direction[0], 0.0, 1e-12);
         CU_ASSERT(w->point[1] - w->extent[1] * w->direction[0] >= (k == 5 ? 0.0 : 10.0));
@@ -776,13 +730,11 @@ static void lower_ends(void)
 static void sides_of_circle(void)
 {
     for (int n = DEM_FEW_WALLS - 1; n <= DEM_FEW_WALLS + 1; n++) {
-        char text[256];
         scoped_scene s = {0};
-        snprintf(text, sizeof text,
-                 "walls = ( { circle = [1.0, 2.0, 3.0]; sides = %d; } );\n"
-                 "particles = ( { x = 1.0; y = 2.0; r = 0.1; } );\n",
-                 n);
-        CHECK_OK(grains_read(text, NULL, &s));
+        CHECK_OK(grains_read_as(&s,
+                                "walls = ( { circle = [1.0, 2.0, 3.0]; sides = %d; } );\n"
+                                "particles = ( { x = 1.0; y = 2.0; r = 0.1; } );\n",
+                                n));
         CU_ASSERT_EQUAL_FATAL(s.def.n_walls, (size_t)n);
         CU_ASSERT((s.def.wall_list != NULL) == (n > DEM_FEW_WALLS));
     }
@@ -797,8 +749,7 @@ static void filling(void)
     fill.x0 = -3.5, fill.y0 = 12.25;
     CHECK_OK(dem_fill_grains(&fill, at[1], &(size_t){0}));
     for (int i = 0; i < 20; i++) {
-        CHECK_NEAR(at[1][i].x, at[0][i].x - 3.5, 1e-14);
-        CHECK_NEAR(at[1][i].y, at[0][i].y + 12.25, 1e-14);
+        CHECK_PAIRS(1e-14, {at[1][i].x, at[0][i].x - 3.5}, {at[1][i].y, at[0][i].y + 12.25});
         CU_ASSERT(at[1][i].r == at[0][i].r);
     }
 }
@@ -807,32 +758,31 @@ static void refused(void)
 {
 #define ONE "particles = ( { x = 0.0; y = 0.5; r = 0.1; } );\n"
     static const char *const cases[][2] = {
-        {"walls = ( { polygon = ( [0.0, 0.0], [1.0, 0.0] ); } ); " ONE, "of at least 3 points"},
-        {"walls = ( { polygon = ( [0.0, 0.0] ); closed = false; } ); " ONE, "of at least 2 points"},
-        {"walls = ( { polygon = [0.0, 0.0, 1.0, 0.0]; } ); " ONE, "a list ( [x, y], ... )"},
-        {"walls = ( { polygon = ( [0.0, 0.0], [0.0, 0.0], [1.0, 0.0] ); } ); " ONE, "points 1 and 2 are"},
-        {"walls = ( { polygon = ( [0.0, 0.0], [2.0, 0.0], [1.0, 7.0], [1.0, 7.0] ); } ); " ONE,
-         "points 3 and 4 are [1, 7]"},
-        {"walls = ( { polygon = ( [3.0, 5.0], [2.0, 0.0], [3.0, 5.0] ); } ); " ONE,
-         "points 3 and 1 are [3, 5]"},
-        {"walls = ( { circle = [0.0, 0.0, 2.0]; direction = [0.0, 1.0]; } ); " ONE,
+        {"polygon = ( [0.0, 0.0], [1.0, 0.0] );", "of at least 3 points"},
+        {"polygon = ( [0.0, 0.0] ); closed = false;", "of at least 2 points"},
+        {"polygon = [0.0, 0.0, 1.0, 0.0];", "a list ( [x, y], ... )"},
+        {"polygon = ( [0.0, 0.0], [0.0, 0.0], [1.0, 0.0] );", "points 1 and 2 are"},
+        {"polygon = ( [0.0, 0.0], [2.0, 0.0], [1.0, 7.0], [1.0, 7.0] );", "points 3 and 4 are [1, 7]"},
+        {"polygon = ( [3.0, 5.0], [2.0, 0.0], [3.0, 5.0] );", "points 3 and 1 are [3, 5]"},
+        {"circle = [0.0, 0.0, 2.0]; direction = [0.0, 1.0];", "one of point, polygon and circle"},
+        {"polygon = ( [0.0, 0.0], [1.0, 0.0], [0.0, 1.0] ); extent = [0.0, 1.0];",
          "one of point, polygon and circle"},
-        {"walls = ( { polygon = ( [0.0, 0.0], [1.0, 0.0], [0.0, 1.0] ); extent = [0.0, 1.0]; } ); " ONE,
+        {"polygon = ( [0.0, 0.0], [1.0, 0.0], [0.0, 1.0] ); circle = [0.0, 0.0, 2.0];",
          "one of point, polygon and circle"},
-        {"walls = ( { polygon = ( [0.0, 0.0], [1.0, 0.0], [0.0, 1.0] ); circle = [0.0, 0.0, 2.0]; } ); " ONE,
-         "one of point, polygon and circle"},
-        {"walls = ( { circle = [0.5, 2.0, 0.0]; } ); " ONE, "radius = 0: must be above 0"},
-        {"walls = ( { circle = [0.5, 2.0, -3.0]; } ); " ONE, "radius = -3: must be above 0"},
-        {"walls = ( { circle = [0.0, 0.0]; } ); " ONE, "circle: three numbers [a, b, c]"},
-        {"walls = ( { circle = [0.0, 0.0, 2.0]; sides = 2; } ); " ONE, "sides = 2: out of range"},
-        {"walls = ( { circle = [0.0, 0.0, 2.0]; point = [0.0, 0.0]; } ); " ONE,
-         "one of point, polygon and circle"},
-        {"walls = ( { circle = [0.0, 0.0, 2.0]; polygon = ( ); } ); " ONE,
-         "one of point, polygon and circle"},
-        {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; extent = [0.0, 1.0]; open_at_step = 3;\n"
-         "open_speed = 2.0; omega = 1.0; } ); " ONE,
+        {"circle = [0.5, 2.0, 0.0];", "radius = 0: must be above 0"},
+        {"circle = [0.5, 2.0, -3.0];", "radius = -3: must be above 0"},
+        {"circle = [0.0, 0.0];", "circle: three numbers [a, b, c]"},
+        {"circle = [0.0, 0.0, 2.0]; sides = 2;", "sides = 2: out of range"},
+        {"circle = [0.0, 0.0, 2.0]; point = [0.0, 0.0];", "one of point, polygon and circle"},
+        {"circle = [0.0, 0.0, 2.0]; polygon = ( );", "one of point, polygon and circle"},
+        {"point = [0.0, 0.0]; direction = [0.0, 1.0]; extent = [0.0, 1.0]; open_at_step = 3;\n"
+         "open_speed = 2.0; omega = 1.0;",
          "can only open at once"}};
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) grains_refused(cases[k][0], NULL, cases[k][1]);
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char text[256];
+        snprintf(text, sizeof text, "walls = ( { %s } ); " ONE, cases[k][0]);
+        grains_refused(text, NULL, cases[k][1]);
+    }
 #define FLOOR "{ point = [0.0, 0.0]; direction = [0.0, 1.0]; }"
     static const char *const starts[][2] = {
         /* what lies on a whole line would never act, unless it is alike, or the line opens */
@@ -875,10 +825,8 @@ static void refused(void)
         "walls = ( " FLOOR
         ", { point = [0.5, 0.1]; direction = [0.0, 1.0]; extent = [2.0, 3.0]; k_n = 7e5; } ); " ONE};
     for (size_t k = 0; k < sizeof alike / sizeof *alike; k++) {
-        scoped_scene s = {0};
-        scoped_sim *sim = NULL;
-        CHECK_OK(grains_read(alike[k], NULL, &s));
-        CHECK_OK(dem_scene_start(&s, &sim));
+        scoped_sim *sim = grains_after_text(0, "%s", alike[k]);
+        CU_ASSERT_PTR_NOT_NULL(sim);
     }
 }
 

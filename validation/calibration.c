@@ -1,11 +1,10 @@
 /* Calibration by real runs: friction, damping and stiffness that are known, found again from impacts of
  * single grains on a floor. One to three names, ten cases each in the full run, which writes a table. */
 #include <stdlib.h>
-#include <string.h>
 
 #include "core/random.h"
-#include "table/table.h"
 #include "tests/check.h"
+#include "tests/numbers.h"
 #include "tests/program.h"
 
 /* An oblique impact; the scatter is that of the grains' radii. */
@@ -32,11 +31,11 @@ static const struct {
 /* Runs at the truth, which a measurement would be. */
 static void measure(size_t names, const double truth[], int seed, double value[], double error[])
 {
-    char text[256] = "";
-    for (size_t p = 0; p < names; p++)
-        snprintf(text + strlen(text), sizeof text - strlen(text), "%s = %.17e; ", of[p].name, truth[p]);
-    write_text("truth.cfg", "experiment = \"impact.cfg\"; replicas = %d; seed = %d;\nfixed = { %s};\n", RUNS,
-               seed, text);
+    FILE *file = file_of("truth.cfg");
+    fprintf(file, "experiment = \"impact.cfg\"; replicas = %d; seed = %d;\nfixed = { ", RUNS, seed);
+    for (size_t p = 0; p < names; p++) fprintf(file, "%s = %.17e; ", of[p].name, truth[p]);
+    fputs("};\n", file);
+    fclose(file);
     SHELL("rm -rf truth && $REPOSE sweep make truth.cfg -o truth --quiet >out 2>err && $REPOSE "
           "sweep export truth --reduce >out 2>err");
     scoped_table t = read_table("out");
@@ -51,22 +50,21 @@ static void measure(size_t names, const double truth[], int seed, double value[]
 
 static void write_fit(size_t names, int seed, const double value[], const double error[])
 {
-    char fit[256] = "", numbers[1024] = "";
-    for (size_t p = 0; p < names; p++) {
-        snprintf(fit + strlen(fit), sizeof fit - strlen(fit), "%s = [%.2f, %.2f]; ", of[p].name, of[p].lo,
-                 of[p].hi);
-        snprintf(numbers + strlen(numbers), sizeof numbers - strlen(numbers),
-                 "%s{ experiment = \"impact.cfg\"; of = \"%s\"; value = %.17e; error = %.17e; }",
-                 p ? ",\n  " : "", of[p].number, value[p], error[p]);
-    }
-    write_text("fit.cfg", "fit = { %s}; seed = %d; budget = 20000;\nmeasured = ( %s );\n", fit, seed,
-               numbers);
+    FILE *file = file_of("fit.cfg");
+    fprintf(file, "seed = %d; budget = 20000; fit = { ", seed);
+    for (size_t p = 0; p < names; p++) fprintf(file, "%s = [%.2f, %.2f]; ", of[p].name, of[p].lo, of[p].hi);
+    fputs("};\nmeasured = ( ", file);
+    for (size_t p = 0; p < names; p++)
+        fprintf(file, "%s{ experiment = \"impact.cfg\"; of = \"%s\"; value = %.17e; error = %.17e; }",
+                p ? ",\n  " : "", of[p].number, value[p], error[p]);
+    fputs(" );\n", file);
+    fclose(file);
 }
 
 static void test_found_again(void)
 {
     const int cases = check_full() ? 10 : 1;
-    gsl_rng *rng = rp_random_alloc(39, 3, RP_PURPOSE_TEST);
+    scoped_rng *rng = rp_random_alloc(39, 3, RP_PURPOSE_TEST);
     FILE *table = check_table("calibration", "names, case, parameter, truth, value, lower, upper, status");
     int inside = 0, near = 0, n = 0;
     write_text("impact.cfg", "%s", impact);
@@ -95,8 +93,7 @@ static void test_found_again(void)
     /* 95 % of 60, less four standard errors; of one, within three half-widths */
     CU_ASSERT(near >= n - n / 30 && (n < 50 || inside >= 50));
     fprintf(stderr, "calibration: %d of %d intervals hold the truth\n", inside, n);
-    if (table) check_table_close(table, "calibration");
-    gsl_rng_free(rng);
+    check_table_close(table, "calibration");
 }
 
 CHECK_SUITE_WITHIN(calibration, "calibration", enter, leave, test_found_again)

@@ -33,4 +33,12 @@ int case_stride(int daily);
  * DIR/SUITE/cases.tsv, one row a case. */
 void case_write(const char *suite, case_problem *const problems[], size_t n);
 
+/* The test `cases`, which does so. */
+#define CASES(suite, ...)                                                                                    \
+    static void cases(void)                                                                                  \
+    {                                                                                                        \
+        case_problem *const problems[] = {__VA_ARGS__};                                                      \
+        case_write(#suite, problems, sizeof problems / sizeof *problems);                                    \
+    }
+
 #endif

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "table/table.h"
 #include "dem/state/state.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
@@ -60,8 +59,7 @@ static dem_sim *filled_box(long N, double W, double dt, long stream, int kernel)
 {
     dem_definition def = grains_box(N, W, stream, NULL);
     def.dt = dt, def.x_max = 3.0 * W, def.kernel = kernel;
-    dem_sim *sim = grains_start(&def);
-    return sim;
+    return grains_start(&def);
 }
 
 /* A filled box at rest is cloned, and one grain of the clone is shifted. Both boxes are opened, and their
@@ -140,20 +138,16 @@ static void growth_rate(void)
 /* Piles of a sweep have the same digest from one, two and five workers. */
 static void any_number_of_workers(void)
 {
-    char base[FOLDER_PATH], file[80], digests[3][33];
+    char base[FOLDER_PATH], digests[3][33];
     folder_make("chaos", base);
-    snprintf(file, sizeof file, "%s/s.cfg", base);
-    FILE *out = fopen(file, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-    fputs("protocol = \"repose\"; replicas = 4; seed = 7; fixed = { W = 1.0; H = 1.0; fill_steps = 2000; "
-          "stop = \"steps\"; relax_steps = 2000; }; grid = { mu = [0.1, 0.3]; };",
-          out);
-    fclose(out);
+    const char *file = folder_path(base, "s.cfg");
+    file_print(
+        file, "protocol = \"repose\"; replicas = 4; seed = 7; fixed = { W = 1.0; H = 1.0; fill_steps = 2000; "
+              "stop = \"steps\"; relax_steps = 2000; }; grid = { mu = [0.1, 0.3]; };");
     for (int k = 0; k < 3; k++) {
-        char dir[80];
+        const char *dir = folder_path(base, (const char *[]){"0", "1", "2"}[k]);
         sweep_counts counts;
         size_t n;
-        snprintf(dir, sizeof dir, "%s/%d", base, k);
         CHECK_OK(sweep_prepare(file, dir, 0, sweep_protocols, NULL, &counts));
         CHECK_OK(sweep_run(dir, sweep_protocols, &(sweep_options){.workers = (int[]){1, 2, 5}[k]}, &counts));
         digests[k][0] = '\0';

@@ -6,13 +6,12 @@
 #include <stdlib.h>
 
 #include "dem/dem.h"
+#include "dem/law/law.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "validation/cases.h"
 
 enum { MOST = 10 };
-
-static const char *const LAW[] = {"hertz", "linear"};
 
 static case_problem bounce_problem = {"bounce", "closed form (linear), energy (Hertz)",
                                       "w^2 dt^2; damped also gamma dt from contact, lag and separation"},
@@ -139,8 +138,7 @@ static double settle(dem_sim *sim, double gamma, double most)
     dem_state s[MOST];
     double left = INFINITY;
     for (int i = 0; i < 400 && !(left <= most); i++) {
-        CU_ASSERT_EQUAL_FATAL(dem_run(sim, 2000), RP_OK);
-        CHECK_OK(dem_states(sim, s));
+        grains_run(sim, 2000, s);
         left = 0.0;
         for (size_t k = 0; k < dem_count(sim); k++)
             left = fmax(left, hypot(s[k].fx, s[k].fy) + 2.0 * gamma * s[k].m * hypot(s[k].vx, s[k].vy));
@@ -171,9 +169,8 @@ static double compress(int law, double k, double k_wall, size_t n, const dem_gra
     const double left =
         settle(sim, def.material.gamma_n,
                1e-9 * heaviest * 981.0 + (stiff + def.material.gamma_n * heaviest / def.dt) * digit);
-    scoped dem_contact *contacts = NULL;
     size_t n_contacts;
-    CHECK_OK(dem_contacts(sim, &contacts, &n_contacts));
+    scoped dem_contact *contacts = grains_contacts(sim, &n_contacts);
     CU_ASSERT_EQUAL(n_contacts, n - 1 + def.n_walls);
     for (size_t c = 0; c < n_contacts; c++) {
         const size_t lower = contacts[c].wall == 0   ? 0
@@ -216,7 +213,8 @@ static void stack(void)
         /* a force d on each grain changes the force of each of the three springs by at most d */
         for (int q = 0; q < 3; q++)
             case_near(&stack_problem, names[q], expected[q], force[q], 2.0 * net,
-                      "%s k_n=%g m2/m1=%g squeeze=%g", LAW[s.law], s.k, s.m2 / s.m1, s.taken);
+                      "%s k_n=%g m2/m1=%g squeeze=%g", dem_normal_descriptors[s.law].name, s.k, s.m2 / s.m1,
+                      s.taken);
     }
 }
 
@@ -238,7 +236,7 @@ static void column(void)
         for (size_t j = n; j-- > 0;) {
             above += grains[j].m * 981.0;
             case_near(&column_problem, "force", above, force[j], (double)n * net,
-                      "%s k_n=%g grains=%zu contact=%zu", LAW[i % 2], k, n, j);
+                      "%s k_n=%g grains=%zu contact=%zu", dem_normal_descriptors[i % 2].name, k, n, j);
         }
     }
 }
@@ -288,8 +286,7 @@ static void cradle_simulate(const cradle *c, int launched, double v, double gap,
     def.dt = dt;
     scoped_sim *sim = grains_start(&def);
     dem_state s[MOST];
-    CU_ASSERT_EQUAL_FATAL(dem_run(sim, lround(time / dt)), RP_OK);
-    CHECK_OK(dem_states(sim, s));
+    grains_run(sim, lround(time / dt), s);
     for (int i = 0; i < c->n; i++) speeds[i] = s[i].vx;
 }
 
@@ -329,8 +326,8 @@ static void check_cradle(int i)
     cradle_simulate(&c, launched, v, 0.0, dt, time, observed);
     for (int j = 0; j < c.n; j++)
         case_near(&cradle_problem, "speed", expected[j], observed[j], bound,
-                  "%s grains=%d launched=%d k_n=%g v=%g dt=%g grain=%d", LAW[c.law], c.n, launched, c.k, v,
-                  dt, j);
+                  "%s grains=%d launched=%d k_n=%g v=%g dt=%g grain=%d", dem_normal_descriptors[c.law].name,
+                  c.n, launched, c.k, v, dt, j);
     if (c.law == DEM_LINEAR && c.n == 3 && launched == 1) {
         double exact[3];
         three_linear(v, exact);
@@ -344,7 +341,8 @@ static void check_cradle(int i)
     cradle_simulate(&c, launched, v, gap, dt, time + (c.n + 1) * gap / v, observed);
     for (int j = 0; j < c.n && launched == 1; j++)
         case_near(&gap_problem, "speed", j == c.n - 1 ? v : 0.0, observed[j], bound,
-                  "%s grains=%d k_n=%g v=%g gap=%g dt=%g grain=%d", LAW[c.law], c.n, c.k, v, gap, dt, j);
+                  "%s grains=%d k_n=%g v=%g gap=%g dt=%g grain=%d", dem_normal_descriptors[c.law].name, c.n,
+                  c.k, v, gap, dt, j);
 }
 
 static void cradles(void)
@@ -353,11 +351,6 @@ static void cradles(void)
     for (int i = 0; i < 48; i += stride) check_cradle(i);
 }
 
-static void cases(void)
-{
-    case_problem *const problems[] = {&bounce_problem, &stack_problem, &column_problem, &cradle_problem,
-                                      &gap_problem};
-    case_write("contacts", problems, sizeof problems / sizeof *problems);
-}
+CASES(contacts, &bounce_problem, &stack_problem, &column_problem, &cradle_problem, &gap_problem)
 
 CHECK_SUITE_SUMMED(contacts, "validation: lasting contacts", bounce, stack, column, cradles, cases)

@@ -2,7 +2,6 @@
  * walls, with and without attractive damped forces. */
 #include <float.h>
 #include <gsl/gsl_sf_gamma.h>
-#include <string.h>
 
 #include "table/table.h"
 #include "dem/dem.h"
@@ -25,7 +24,6 @@ typedef struct {
 
 static const double R_A = 0.1385, R_B = 0.0871, M_A = 0.01313, M_B = 0.00297;
 static const double M_EFF = 0.01313 * 0.00297 / (0.01313 + 0.00297);
-static const char *const LAW[] = {"hertz", "linear"};
 
 static double effective_mass(const impact *p)
 {
@@ -186,13 +184,12 @@ static void check_elastic(impact *p)
     const outcome exact = elastic_exact(p);
     const double dt = exact.time / (check_full() ? 2000.0 : 500.0), bound = pow(stiffest(p) * dt, 2.0);
     const outcome o = simulate(p, dt, 2.0 * exact.time);
-    const double expected[] = {exact.restitution, exact.overlap, exact.time, exact.force},
-                 observed[] = {o.restitution, o.overlap, o.time, o.force};
-    static const char *const names[] = {"restitution", "overlap", "time", "force"};
-    for (int q = 0; q < 4; q++)
-        case_near(&elastic_problem, names[q], expected[q], observed[q], bound * expected[q],
-                  "%s k_n=%g m_eff=%g v=%g dt=%g phase=%.3f", LAW[p->law], p->k_n, effective_mass(p), p->v,
-                  dt, p->phase);
+    case_near(&elastic_problem, "restitution", exact.restitution, o.restitution, bound,
+              "%s k_n=%g m_eff=%g v=%g dt=%g phase=%.3f", dem_normal_descriptors[p->law].name, p->k_n,
+              effective_mass(p), p->v, dt, p->phase);
+    case_also(&elastic_problem, "overlap", exact.overlap, o.overlap, bound * exact.overlap);
+    case_also(&elastic_problem, "time", exact.time, o.time, bound * exact.time);
+    case_also(&elastic_problem, "force", exact.force, o.force, bound * exact.force);
 }
 
 static void elastic(void)
@@ -219,14 +216,12 @@ static void check_damped(impact *p)
         const outcome exact = damped_exact(p);
         const double dt = elastic_exact(p).time / (check_full() ? 2000.0 : 500.0) / fmax(1.0, 2.0 * number);
         const outcome o = simulate(p, dt, 4.0 * exact.time), bound = damped_bound(p, &exact, dt);
-        const double expected[] = {exact.restitution, exact.overlap, exact.time},
-                     observed[] = {o.restitution, o.overlap, o.time},
-                     bounds[] = {bound.restitution, bound.overlap, bound.time};
-        static const char *const names[] = {"restitution", "overlap", "time"};
-        for (int q = 0; q < 3; q++)
-            case_near(&damped_problem, names[q], expected[q], observed[q], bounds[q],
-                      "%s %s damping=%g k_n=%g m_eff=%g v=%g dt=%g phase=%.3f", LAW[p->law],
-                      p->clipped ? "pushes" : "pulls", number, p->k_n, effective_mass(p), p->v, dt, p->phase);
+        case_near(&damped_problem, "restitution", exact.restitution, o.restitution, bound.restitution,
+                  "%s %s damping=%g k_n=%g m_eff=%g v=%g dt=%g phase=%.3f",
+                  dem_normal_descriptors[p->law].name, p->clipped ? "pushes" : "pulls", number, p->k_n,
+                  effective_mass(p), p->v, dt, p->phase);
+        case_also(&damped_problem, "overlap", exact.overlap, o.overlap, bound.overlap);
+        case_also(&damped_problem, "time", exact.time, o.time, bound.time);
     }
 }
 
@@ -247,8 +242,9 @@ static void check_sticking(impact *p)
         const outcome exact = side < 0 ? damped_exact(p) : (outcome){0.0, NAN, INFINITY, NAN};
         case_near(&sticking_problem, "restitution", exact.restitution, o.restitution,
                   side < 0 ? damped_bound(p, &exact, dt).restitution : 0.0,
-                  "%s damping=%g of the threshold k_n=%g m_eff=%g v=%g dt=%g", LAW[p->law], 1.0 + 0.01 * side,
-                  p->k_n, effective_mass(p), p->v, dt);
+                  "%s damping=%g of the threshold k_n=%g m_eff=%g v=%g dt=%g",
+                  dem_normal_descriptors[p->law].name, 1.0 + 0.01 * side, p->k_n, effective_mass(p), p->v,
+                  dt);
     }
 }
 
@@ -322,8 +318,8 @@ static void check_solver(impact *p)
             /* some 1e2 to 1e3 adaptive steps of 1e-13; the largest overlap comes from a parabola through a
              * step of 0.01: some 1e-6 */
             case_near(&solver_problem, "restitution", exact.restitution, c.restitution, 1e-10,
-                      "%s %s damping=%g k_n=%g m_eff=%g v=%g", LAW[p->law], clipped ? "pushes" : "pulls",
-                      numbers[i], p->k_n, effective_mass(p), p->v);
+                      "%s %s damping=%g k_n=%g m_eff=%g v=%g", dem_normal_descriptors[p->law].name,
+                      clipped ? "pushes" : "pulls", numbers[i], p->k_n, effective_mass(p), p->v);
             case_also(&solver_problem, "time", exact.time, c.time, 1e-10 / exact.restitution * exact.time);
             case_also(&solver_problem, "overlap", exact.overlap, c.overlap, 2e-6 * exact.overlap);
         }
@@ -350,12 +346,8 @@ static void damping_range(void)
         rp_table_header(out, "damping [1], pulls_exact [1], pulls [1], pulls_error [1], pulls_bound [1], "
                              "pushes_exact [1], pushes [1], pushes_error [1], pushes_bound [1]");
         for (int i = 0; i <= 48; i++) {
-            impact p = {.law = law,
-                        .k_n = 1e6,
-                        .v = 12.3,
-                        .m_a = M_A,
-                        .m_b = M_B,
-                        .phase = fmod(0.6180339887 * i, 1.0)};
+            impact p = {.law = law, .k_n = 1e6, .v = 12.3, .m_a = M_A, .m_b = M_B};
+            p.phase = fmod(0.6180339887 * i, 1.0);
             const double number = 0.01 * pow(10.0, i / 16.0);
             double row[9] = {number};
             p.gamma_n = damping_of(&p, number);
@@ -378,11 +370,7 @@ static void damping_range(void)
     }
 }
 
-static void cases(void)
-{
-    case_problem *const problems[] = {&elastic_problem, &damped_problem, &sticking_problem, &solver_problem};
-    case_write("impact", problems, sizeof problems / sizeof *problems);
-}
+CASES(impact, &elastic_problem, &damped_problem, &sticking_problem, &solver_problem)
 
 CHECK_SUITE_SUMMED(impact, "validation: impacts", elastic, damped, sticking, single_impacts, strong_damping,
                    damping_range, cases)

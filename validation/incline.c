@@ -186,13 +186,8 @@ static void kicked(void)
     }
 }
 
-static void cases(void)
-{
-    case_problem *const problems[] = {&stick_problem,    &slow_problem,     &sudden_problem,
-                                      &terminal_problem, &speeding_problem, &stopping_problem,
-                                      &return_problem};
-    case_write("incline", problems, sizeof problems / sizeof *problems);
-}
+CASES(incline, &stick_problem, &slow_problem, &sudden_problem, &terminal_problem, &speeding_problem,
+      &stopping_problem, &return_problem)
 
 CHECK_SUITE_SUMMED(incline, "validation: friction on an incline", sticks, slow_loading, sudden_loading,
                    slides, kicked, cases)

@@ -249,11 +249,7 @@ static void static_piles(void)
     }
 }
 
-static void cases(void)
-{
-    case_problem *const problems[] = {&hard_problem, &lattice_problem, &limit_problem, &continuum_problem,
-                                      &tent_problem, &tilt_problem,    &static_problem};
-    case_write("models", problems, sizeof problems / sizeof *problems);
-}
+CASES(models, &hard_problem, &lattice_problem, &limit_problem, &continuum_problem, &tent_problem,
+      &tilt_problem, &static_problem)
 
 CHECK_SUITE_SUMMED(models, "validation: models", hard, lattice, continuum, tents, tilt, static_piles, cases)

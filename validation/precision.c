@@ -123,6 +123,13 @@ static void check_gain(const outcomes *o, const char *problem, const char *integ
     CU_ASSERT(log(first->error / last->error) / log(first->setting / last->setting) > order - 0.3);
 }
 
+static void check_gains(const outcomes *o, const char *problem, double verlet, double gear5, double implicit)
+{
+    check_gain(o, problem, "verlet", verlet);
+    check_gain(o, problem, "gear5", gear5);
+    check_gain(o, problem, "implicit", implicit);
+}
+
 /* ---- Motion without friction, by the simulator and by adaptive Runge-Kutta on all pairs ---- */
 
 typedef struct {
@@ -207,8 +214,7 @@ static double simulate(const motion *p, int integrator, long steps, double *seco
     scoped double *y = calloc(4 * n, sizeof *y);
     CHECK_OK(dem_states(sim, s));
     for (size_t i = 0; i < n; i++) y[4 * i] = s[i].x, y[4 * i + 1] = s[i].y;
-    const double error = distance(p, y, p->answer);
-    return error;
+    return distance(p, y, p->answer);
 }
 
 /* Root mean square of the error over `phases` numbers of steps within a tenth of each other, so that contact
@@ -233,28 +239,23 @@ static double measure(const motion *p, int integrator, double steps, int phases,
     return sqrt(square);
 }
 
-/* The reference by a second method, Runge-Kutta for the whole motion, and the difference of the two. */
-static double other_answer(motion *p, const gsl_odeiv2_step_type *type, double tolerance)
-{
-    scoped double *y = integrate(p, type, tolerance);
-    const double d = distance(p, y, p->answer);
-    return d;
-}
-
 static bool allowed(const motion *p, int integrator, double dt)
 {
     scoped_sim *sim = NULL;
     dem_definition def = p->def;
     def.integrator = integrator, def.dt = dt;
-    const bool good = dem_create(&def, &sim) == RP_OK;
-    return good;
+    return dem_create(&def, &sim) == RP_OK;
 }
 
 /* All integrators over `decades` of the time step, downwards from about the largest allowed; the implicit one
- * starts `head_start` times higher. Errors below ten times that of the reference, `doubt`, are left out. */
-static void sweep_steps(const motion *p, double doubt, int phases, double decades, double head_start,
-                        outcomes *o)
+ * starts `head_start` times higher. Runge-Kutta for the whole motion, a second method, agrees with the
+ * reference; errors below ten times the difference of the two are left out. */
+static void sweep_steps(motion *p, const gsl_odeiv2_step_type *type, double tolerance, double agree,
+                        int phases, double decades, double head_start, outcomes *o)
 {
+    scoped double *other = integrate(p, type, tolerance);
+    const double doubt = distance(p, other, p->answer);
+    CHECK_NEAR(doubt, 0.0, agree);
     const double limit = dem_time_step_limit(&p->def, NULL);
     for (int integrator = 0; integrator < DEM_INTEGRATORS; integrator++) {
         const double largest = limit * (integrator == DEM_IMPLICIT ? head_start : 0.75);
@@ -329,12 +330,9 @@ static void impacts(void)
     for (int law = 0; law < LAWS; law++) {
         dem_grain grains[2];
         motion p = impact(law, grains);
-        const double doubt = other_answer(&p, gsl_odeiv2_step_rk8pd, 1e-13);
-        CHECK_NEAR(doubt, 0.0, 1e-12);
-        sweep_steps(&p, doubt, check_full() ? 16 : 4, decades, 1.0, &o);
-        check_gain(&o, p.name, "implicit", 2.0);
-        check_gain(&o, p.name, "verlet", laws[law].gamma_n > 0.0 ? 1.0 : 2.0);
-        check_gain(&o, p.name, "gear5", laws[law].gamma_n > 0.0 ? 1.0 : 2.0);
+        sweep_steps(&p, gsl_odeiv2_step_rk8pd, 1e-13, 1e-12, check_full() ? 16 : 4, decades, 1.0, &o);
+        const double order = laws[law].gamma_n > 0.0 ? 1.0 : 2.0;
+        check_gains(&o, p.name, order, order, 2.0);
         free(p.answer);
     }
     write_outcomes(&o, "precision_impact", "dt", "limit", "speed*contact");
@@ -390,12 +388,8 @@ static void damped_column(void)
     outcomes o = {0};
     dem_grain grains[COLUMN];
     motion p = column(grains);
-    const double doubt = other_answer(&p, gsl_odeiv2_step_rk8pd, 1e-13);
-    CHECK_NEAR(doubt, 0.0, 1e-11);
-    sweep_steps(&p, doubt, 1, decades, 10.0, &o);
-    check_gain(&o, p.name, "implicit", 2.0);
-    check_gain(&o, p.name, "gear5", 1.0);
-    check_gain(&o, p.name, "verlet", 1.0);
+    sweep_steps(&p, gsl_odeiv2_step_rk8pd, 1e-13, 1e-11, 1, decades, 10.0, &o);
+    check_gains(&o, p.name, 1.0, 1.0, 2.0);
     write_outcomes(&o, "precision_column", "dt", "limit", "sink");
     free(p.answer);
 }
@@ -412,9 +406,7 @@ static void settling(void)
     const dem_material wall = {.k_n = 2e6, .gamma_n = 500.0};
     dem_box_walls(&p.def, 2.0, &wall);
     p.answer = integrate(&p, gsl_odeiv2_step_rk8pd, 1e-12);
-    const double doubt = other_answer(&p, gsl_odeiv2_step_rkf45, 1e-12);
-    CHECK_NEAR(doubt, 0.0, 1e-9);
-    sweep_steps(&p, doubt, 1, check_full() ? DECADES : 1.0, 3.0, &o);
+    sweep_steps(&p, gsl_odeiv2_step_rkf45, 1e-12, 1e-9, 1, check_full() ? DECADES : 1.0, 3.0, &o);
     for (int i = 0; i < DEM_INTEGRATORS; i++) check_gain(&o, p.name, dem_schemes[i]->name, 1.0);
     write_outcomes(&o, "precision_settling", "dt", "limit", "diameter");
     free(p.answer);
@@ -431,25 +423,20 @@ static double worse(double a, double b)
 /* Largest difference of the forces on the base from the static solution, m g. */
 static double base_error(const solved_pile *pile, const dem_sim *sim)
 {
-    scoped dem_contact *list = NULL;
     size_t n, base = 0;
-    double worst = 0.0, *force = calloc(2 * pile->n, sizeof *force);
-    scoped bool *stands = calloc(pile->n, sizeof *stands);
-    CHECK_OK(dem_contacts(sim, &list, &n));
-    for (size_t c = 0; c < n; c++) {
-        if (list[c].id_b != 0) continue;
-        const size_t i = list[c].id_a - 1;
-        stands[i] = true;
-        force[2 * i] = list[c].normal_force, force[2 * i + 1] = -list[c].shear_force;
-    }
+    double worst = 0.0;
+    scoped dem_contact *list = grains_contacts(sim, &n);
+    scoped const dem_contact **under = calloc(pile->n, sizeof *under); /* each disk that stands on the base */
+    for (size_t c = 0; c < n; c++)
+        if (list[c].id_b == 0) under[list[c].id_a - 1] = &list[c];
     for (size_t i = 0; i < pile->n; i++) {
-        if (!stands[i]) continue;
+        if (!under[i]) continue;
         CU_ASSERT_FATAL(base < pile->k);
-        worst = worse(worst, hypot(force[2 * i] - pile->N[base], force[2 * i + 1] - pile->H[base]));
+        const double N = under[i]->normal_force, H = -under[i]->shear_force;
+        worst = worse(worst, hypot(N - pile->N[base], H - pile->H[base]));
         base++;
     }
     CU_ASSERT_EQUAL(base, pile->k);
-    free(force);
     return worst;
 }
 
@@ -517,25 +504,19 @@ static void static_piles(void)
         const char *name;
         long base;
         double alpha_deg;
-        relaxation relaxations[2];
-    } piles[] = {{"10",
-                  4,
-                  60.0,
-                  {{"verlet", DEM_VERLET, 2.0, 0.1, 2000, 8192, 1e-8},
-                   {"implicit", DEM_IMPLICIT, 4.0, 1.0, 400, 1024, 1e-8}}},
-                 {"1035",
-                  45,
-                  60.0,
-                  {{"verlet", DEM_VERLET, 2.0, 0.2, 40000, 256000, 1e-6},
-                   {"implicit", DEM_IMPLICIT, 4.0, 1.0, 500, 256, INFINITY}}},
-                 {"5490", 180, 30.0, {{"verlet", DEM_VERLET, 2.0, 0.2, 40000, 128000, 1e-5}}}};
+    } piles[] = {{"10", 4, 60.0}, {"1035", 45, 60.0}, {"5490", 180, 30.0}};
+    static const relaxation relaxations[3][2] = {{{"verlet", DEM_VERLET, 2.0, 0.1, 2000, 8192, 1e-8},
+                                                  {"implicit", DEM_IMPLICIT, 4.0, 1.0, 400, 1024, 1e-8}},
+                                                 {{"verlet", DEM_VERLET, 2.0, 0.2, 40000, 256000, 1e-6},
+                                                  {"implicit", DEM_IMPLICIT, 4.0, 1.0, 500, 256, INFINITY}},
+                                                 {{"verlet", DEM_VERLET, 2.0, 0.2, 40000, 128000, 1e-5}}};
     outcomes o = {0};
     const size_t first = check_full() ? 1 : 0, last = check_full() ? 3 : 1;
     for (size_t k = first; k < last; k++) {
         solved_pile pile = solved_pile_make(piles[k].base, piles[k].alpha_deg, 1e-6, 8);
         solve_in_time(piles[k].name, piles[k].base, piles[k].alpha_deg, &pile, &o);
         CU_ASSERT(o.row[o.n - 1].error < 1e-8);
-        for (const relaxation *w = piles[k].relaxations; w < piles[k].relaxations + 2 && w->method; w++)
+        for (const relaxation *w = relaxations[k]; w < relaxations[k] + 2 && w->method; w++)
             CU_ASSERT(relax_to_rest(piles[k].name, &pile, w, &o) < w->agrees);
         solved_pile_free(&pile);
         mark_front(&o);

@@ -149,11 +149,8 @@ static void oblique_any(void)
     static const double kappas[] = {0.05, 2.0 / 7.0, 0.86}, mus[] = {0.1, 0.4},
                         slopes[] = {0.02, 0.2, 0.6, 1.2, 2.5, 6.0};
     for (int i = 0; i < 2 * 2 * 3 * 2 * 6; i += case_stride(5)) {
-        oblique p = {.pair = i % 2,
-                     .shape = i / 2 % 2 ? DEM_DISK : DEM_SPHERE,
-                     .k_s = LINEAR_K * kappas[i / 4 % 3],
-                     .mu = mus[i / 12 % 2],
-                     .v_n = 2e-4};
+        oblique p = {.pair = i % 2, .shape = i / 2 % 2 ? DEM_DISK : DEM_SPHERE, .v_n = 2e-4};
+        p.k_s = LINEAR_K * kappas[i / 4 % 3], p.mu = mus[i / 12 % 2];
         p.v_s = p.v_n * slopes[i / 24];
         const double steps = 4000.0, q = inertia_ratio(p.shape), a = 1.0 + 1.0 / q;
         const double m_eff = p.pair ? M * 0.00297 / (M + 0.00297) : M, depth = p.v_n * sqrt(m_eff / LINEAR_K);
@@ -216,14 +213,9 @@ static void energy_stays(void)
 /* Rough contacts with damped shear and rolling springs, of this rolling resistance. */
 static dem_material resisting(double mu_roll)
 {
-    return (dem_material){.k_n = 1e6,
-                          .gamma_n = 500.0,
-                          .k_s = 1e4,
-                          .gamma_s = 200.0,
-                          .mu = 5.0,
-                          .mu_roll = mu_roll,
-                          .k_roll = 1e4,
-                          .gamma_roll = 200.0};
+    dem_material c = {.k_n = 1e6, .gamma_n = 500.0, .k_s = 1e4, .gamma_s = 200.0, .mu = 5.0};
+    c.mu_roll = mu_roll, c.k_roll = 1e4, c.gamma_roll = 200.0;
+    return c;
 }
 
 /* The couple mu_roll m g r stops a rolling grain at the deceleration b mu_roll g r/(b^2 + q r^2); it stays at
@@ -245,8 +237,7 @@ static void rolling_stops(void)
         CHECK_NEAR(s.vx, v0 - slows * 0.1, slows * loading / v0);
         CHECK_NEAR(s.vx, -b * s.omega, 1e-3 * v0);
         s = run(sim, 0.9, def.dt);
-        CHECK_NEAR(s.x, 0.5 * v0 * v0 / slows, loading);
-        CHECK_NEAR(s.x, -b * s.angle, loading);
+        CHECK_PAIRS(loading, {s.x, 0.5 * v0 * v0 / slows}, {s.x, -b * s.angle});
         CHECK_NEAR(s.vx, 0.0, 1e-6 * v0);
         const double stopped = s.x;
         s = run(sim, 0.5, def.dt);
@@ -284,11 +275,7 @@ static void rolling_incline(void)
     }
 }
 
-static void cases(void)
-{
-    case_problem *const problems[] = {&rolls_problem, &oblique_problem};
-    case_write("rotation", problems, sizeof problems / sizeof *problems);
-}
+CASES(rotation, &rolls_problem, &oblique_problem)
 
 CHECK_SUITE_SUMMED(rotation, "validation: rotation and rolling", inside_law, slides_then_rolls, oblique_ends,
                    oblique_any, energy_stays, rolling_stops, rolling_incline, cases)

@@ -44,9 +44,7 @@ static solved solve(long k, double alpha_deg, double eps, double well)
     CHECK_OK(an_lattice_counts(k, up, M_PI / 6, s.exact));
     statics_definition def = statics_definition_default();
     def.n = s.n, def.disks = disks, def.eps = eps;
-    if (well > 0) {
-        def.well = STATICS_WELL_FRICTION, def.mu = 1, def.a = well;
-    }
+    if (well > 0) def.well = STATICS_WELL_FRICTION, def.mu = 1, def.a = well;
     statics_pile *pile = NULL;
     const double start = rp_cpu_clock();
     CHECK_OK(statics_create(&def, &pile));
@@ -71,11 +69,9 @@ static void check_forces(const solved *s, double alpha_deg)
         N += s->N[i];
         H += s->H[i];
         if (alpha_deg < 60) continue;
-        CHECK_NEAR(s->N[i], s->exact[i].N, rounding);
-        CHECK_NEAR(s->H[i], s->exact[i].H, rounding);
+        CHECK_PAIRS(rounding, {s->N[i], s->exact[i].N}, {s->H[i], s->exact[i].H});
     }
-    CHECK_NEAR(N, (double)s->n, (double)s->k * rounding);
-    CHECK_NEAR(H, 0, (double)s->k * rounding);
+    CHECK_PAIRS((double)s->k * rounding, {N, (double)s->n}, {H, 0});
     CU_ASSERT(s->result.negative_modes == 0 && s->result.smallest_pivot > 1e-4);
 }
 

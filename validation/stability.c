@@ -17,6 +17,7 @@
 
 #include "core/clock.h"
 #include "table/table.h"
+#include "dem/law/law.h"
 #include "dem/state/method.h"
 #include "dem/state/state.h"
 #include "tests/check.h"
@@ -25,7 +26,6 @@
 
 enum { PAIR, WALL, LOADED, PACKING, FLOWER, SYSTEMS };
 static const char *const system_names[SYSTEMS] = {"pair", "wall", "loaded", "packing", "flower"};
-static const char *const law_names[] = {"hertz", "linear"};
 enum { MOST = 256 };
 
 /* Masses and stiffnesses in cgs; damping and shear in units of the normal contact's omega = sqrt(k/m_eff) of
@@ -96,18 +96,11 @@ static void make_scene(scene *s, const stability_case *c, int rings)
     const double k = slope_of(c, DEPTH * R);
     const bool alone = c->system == WALL || c->system == LOADED || c->system == FLOWER;
     s->omega = sqrt(k / (alone ? M * (c->system == FLOWER ? c->mass_ratio : 1.0) : 0.5 * M));
-    def->normal = c->law;
-    def->integrator = c->integrator;
-    def->rotation = c->rotation;
+    def->normal = c->law, def->integrator = c->integrator, def->rotation = c->rotation;
     def->tangential = c->shear > 0.0 ? DEM_SPRING : DEM_NONE;
-    def->material = (dem_material){.k_n = c->k_n,
-                                   .gamma_n = c->damping * s->omega,
-                                   .k_s = c->shear * k,
-                                   .gamma_s = 0.0,
-                                   .mu = c->shear > 0.0 ? INFINITY : 0.0};
-    def->gravity[1] = 0.0;
-    def->grains = s->grains;
-    def->skin = 0.5 * R;
+    def->material = (dem_material){.k_n = c->k_n, .gamma_n = c->damping * s->omega, .k_s = c->shear * k};
+    def->material.mu = c->shear > 0.0 ? INFINITY : 0.0;
+    def->gravity[1] = 0.0, def->grains = s->grains, def->skin = 0.5 * R;
     if (c->system == PAIR) make_pair(s, c);
     if (c->system == PACKING) make_packing(s, c, rings);
     if (c->system == FLOWER) make_flower(s, c);
@@ -157,9 +150,8 @@ static modes linearise(const scene *s, const stability_case *c, const dem_sim *s
     modes A = {.n = 3 * s->def.n_grains};
     A.K = gsl_matrix_calloc(A.n, A.n);
     A.C = gsl_matrix_calloc(A.n, A.n);
-    scoped dem_contact *contacts = NULL;
     size_t n;
-    CHECK_OK(dem_contacts(sim, &contacts, &n));
+    scoped dem_contact *contacts = grains_contacts(sim, &n);
     for (size_t k = 0; k < n; k++) {
         const dem_contact *t = &contacts[k];
         const size_t i = t->id_a - 1, j = t->id_b ? t->id_b - 1 : i;
@@ -375,7 +367,7 @@ static void check_one(const stability_case *c)
     summary.deviation = fmax(summary.deviation, fabs(s.measured / s.theory - 1.0));
     if (!table) return;
     const double w = s.omega;
-    fprintf(table, "%s\t%s\t%s\t", system_names[c->system], law_names[c->law],
+    fprintf(table, "%s\t%s\t%s\t", system_names[c->system], dem_normal_descriptors[c->law].name,
             dem_schemes[c->integrator]->name);
     CHECK_ROW(table, NULL, c->k_n, c->damping * w, c->mass_ratio, c->radius_ratio, c->shear, c->rotation,
               s.limit, s.measured, s.theory, c->damping, w * s.limit, w * s.measured, w * s.theory,
@@ -395,8 +387,7 @@ static void map_damping(int scheme)
             for (int d = 0; d < (check_full() ? 7 : check_fast() || c.law == DEM_LINEAR ? 1 : 2); d++)
                 for (int m = 0; m < (check_full() && (c.system == PAIR || c.system == PACKING) ? 3 : 1);
                      m++) {
-                    c.damping = dampings[d];
-                    c.mass_ratio = masses[m];
+                    c.damping = dampings[d], c.mass_ratio = masses[m];
                     check_one(&c);
                 }
 }
@@ -414,13 +405,10 @@ static void map_shear(int scheme)
 {
     const double shears[] = {1.0, 0.2, 10.0, 0.02, 0.1, 0.3, 0.5, 2.0, 5.0};
     stability_case c = plain;
-    c.law = DEM_LINEAR;
-    c.integrator = scheme;
-    c.damping = 0.1;
+    c.law = DEM_LINEAR, c.integrator = scheme, c.damping = 0.1;
     for (int rotation = 0; rotation <= (scheme == DEM_VERLET); rotation++)
         for (int q = 0; q < (check_full() ? 9 : check_fast() ? 1 : 3); q++) {
-            c.shear = shears[q];
-            c.rotation = rotation == 1;
+            c.shear = shears[q], c.rotation = rotation == 1;
             check_one(&c);
         }
 }
@@ -429,9 +417,7 @@ static void map_shear(int scheme)
 static void map_radii(int scheme)
 {
     stability_case c = plain;
-    c.system = FLOWER;
-    c.integrator = scheme;
-    c.damping = 0.1;
+    c.system = FLOWER, c.integrator = scheme, c.damping = 0.1;
     for (c.radius_ratio = check_full() ? 1.0 : 10.0; c.radius_ratio < 40.0; c.radius_ratio *= 1.7)
         check_one(&c);
 }
@@ -450,9 +436,7 @@ static void largest_time_step(void)
                              "run_time [s]");
     for (int scheme = DEM_VERLET; scheme <= DEM_GEAR5; scheme++) {
         const double start = rp_clock();
-        summary.cases = 0;
-        summary.least = INFINITY;
-        summary.most = summary.deviation = 0.0;
+        summary.cases = 0, summary.least = INFINITY, summary.most = summary.deviation = 0.0;
         map_damping(scheme);
         map_stiffness(scheme);
         map_shear(scheme);
@@ -482,13 +466,8 @@ static const char *const solver_names[] = {"direct", "sor"};
 static bool rests_implicitly(int system, const equation_solver *with, double damping, double times)
 {
     static scene s;
-    const stability_case c = {.system = system,
-                              .law = DEM_HERTZ,
-                              .integrator = DEM_IMPLICIT,
-                              .k_n = 1e6,
-                              .damping = damping,
-                              .mass_ratio = 1.0,
-                              .radius_ratio = 1.0};
+    stability_case c = plain;
+    c.system = system, c.integrator = DEM_IMPLICIT, c.damping = damping;
     make_scene(&s, &c, check_full() ? 4 : 2);
     s.def.implicit.solver = with->solver;
     s.def.implicit.tolerance = with->tolerance;
@@ -511,13 +490,9 @@ static gas_run run_gas(const equation_solver *with, double depth, double times)
     dem_grain grains[GAS];
     scoped_rng *random = numbers_of(12, 0);
     for (int i = 0; i < GAS; i++) {
-        const double angle = 2.0 * M_PI * gsl_rng_uniform(random);
-        grains[i] = (dem_grain){.x = 0.13 + 0.25 * (i % 6),
-                                .y = 0.13 + 0.25 * (i / 6),
-                                .r = R * (1.0 - 0.1 * (i % 3)),
-                                .m = M,
-                                .vx = 0.5 * v * cos(angle),
-                                .vy = 0.5 * v * sin(angle)};
+        const double angle = 2.0 * M_PI * gsl_rng_uniform(random), r = R * (1.0 - 0.1 * (i % 3));
+        grains[i] = (dem_grain){.x = 0.13 + 0.25 * (i % 6), .y = 0.13 + 0.25 * (i / 6), .r = r, .m = M};
+        grains[i].vx = 0.5 * v * cos(angle), grains[i].vy = 0.5 * v * sin(angle);
     }
     dem_definition def = grains_bare(GAS, grains, DEM_HERTZ, (dem_material){.k_n = k_n});
     def.integrator = DEM_IMPLICIT, def.implicit.solver = with->solver;
@@ -527,7 +502,6 @@ static gas_run run_gas(const equation_solver *with, double depth, double times)
     def.walls[def.n_walls++] = grains_line(0.0, 1.51, 0.0, -1.0, &def.material);
     scoped_sim *sim = grains_start(&def);
     dem_energy before, after;
-    dem_counts work;
     dem_energies(sim, &before);
     if (dem_run(sim, check_full() ? 300 : 40) == RP_OK) {
         dem_energies(sim, &after);
@@ -537,8 +511,7 @@ static gas_run run_gas(const equation_solver *with, double depth, double times)
     } else {
         out.ends = dem_fault_text(dem_sim_fault(sim));
     }
-    dem_count_work(sim, &work);
-    out.sweeps = work.iterations / (double)(dem_step(sim) + 1);
+    out.sweeps = grains_counts(sim).iterations / (double)(dem_step(sim) + 1);
     return out;
 }
 
@@ -651,7 +624,8 @@ static void boxes(void)
                         rests = box_rests(law, scheme, gamma, stream, 1.1 * times, &limit);
                     if (rests) times *= 1.1;
                 }
-                if (out) fprintf(out, "%s\t%s\t", law_names[law], dem_schemes[scheme]->name);
+                if (out)
+                    fprintf(out, "%s\t%s\t", dem_normal_descriptors[law].name, dem_schemes[scheme]->name);
                 CHECK_ROW(out, NULL, gamma, limit, times * limit, times);
             }
     check_table_close(out, "stability_boxes");

@@ -220,13 +220,8 @@ static rp_status toy_run(const void *params, unsigned long seed, unsigned long r
     return RP_OK;
 }
 
-static const sweep_protocol toy_protocol = {.name = "toy",
-                                            .about = "toy",
-                                            .schema = toy_schema,
-                                            .params_size = sizeof(toy),
-                                            .outputs = toy_outputs,
-                                            .check = toy_check,
-                                            .run = toy_run};
+static const sweep_protocol toy_protocol = {
+    "toy", "toy", toy_schema, sizeof(toy), toy_outputs, .check = toy_check, .run = toy_run};
 static const sweep_protocol *const toys[] = {&toy_protocol, NULL};
 
 static char whole_store[1 << 17];

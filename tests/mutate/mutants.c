@@ -223,26 +223,16 @@ static void change_query(size_t from, size_t len)
 /* A column of a figure becomes one that is near to it. */
 static void change_column(size_t from, size_t len)
 {
-    static const char *const pairs[][2] = {{"r3", "r2"},
-                                           {"r2", "r3"},
-                                           {"_mean", "_sd"},
-                                           {"_se", "_sd"},
-                                           {"displacement", "energy"},
-                                           {"energy", "displacement"},
-                                           {"N", "H"},
-                                           {"H", "N"},
-                                           {"x", "y"},
-                                           {"y", "x"},
-                                           {"strongest", "weakest"},
-                                           {"weakest", "strongest"},
-                                           {"mu", "W"}};
+    static const char *const pairs[] = {
+        "r3",     "r2",     "r2",           "r3",      "_mean",   "_sd",       "_se", "_sd", "displacement",
+        "energy", "energy", "displacement", "N",       "H",       "H",         "N",   "x",   "y",
+        "y",      "x",      "strongest",    "weakest", "weakest", "strongest", "mu",  "W"};
     char name[256], text[512];
     snprintf(name, sizeof name, "%.*s", (int)len, at_line.text + from);
-    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
-        const char *at = strstr(name, pairs[i][0]);
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i += 2) {
+        const char *at = strstr(name, pairs[i]);
         if (!at) continue;
-        snprintf(text, sizeof text, "%.*s%s%s", (int)(at - name), name, pairs[i][1],
-                 at + strlen(pairs[i][0]));
+        snprintf(text, sizeof text, "%.*s%s%s", (int)(at - name), name, pairs[i + 1], at + strlen(pairs[i]));
         offer("column", from, len, text);
         return;
     }
