@@ -225,6 +225,13 @@ void exp_add_scope(exp_plan *plan, int sort, size_t index, const char *name)
     plan->scopes[plan->n_scopes++] = (exp_scope){.sort = sort, .index = index, .name = name};
 }
 
+const config_setting_t *exp_has_key(const config_setting_t *group, const char *words)
+{
+    for (size_t i = 0; i < length(group); i++)
+        if (rp_word_index(words, config_setting_name(element(group, i))) >= 0) return element(group, i);
+    return NULL;
+}
+
 /* Numbers or expressions, (a, b) or (a, b, c). */
 rp_status exp_read_list(const config_setting_t *list, const char *key, size_t n, exp_place *place,
                         exp_expression *e)

@@ -40,8 +40,7 @@ static rp_status read_region(const config_setting_t *setting, exp_place *place, 
     const config_setting_t *x = member(setting, "x"), *y = member(setting, "y"),
                            *circle = member(setting, "circle"), *polygon = member(setting, "polygon");
     *r = (exp_region){.name = config_setting_name(setting), .circle = circle != NULL};
-    RP_TRY(rp_config_group(setting, exp_no_keys, NULL,
-                           (const char *const[]){"x", "y", "circle", "polygon", NULL}));
+    RP_TRY(rp_config_group(setting, exp_no_keys, NULL, "x y circle polygon"));
     if ((x || y) + (circle != NULL) + (polygon != NULL) != 1)
         return rp_config_fail(setting, "%s: x, y or both, or circle, or polygon expected", r->name);
     for (int k = 0; k < 4; k++)

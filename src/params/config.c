@@ -89,23 +89,20 @@ static const char *path_within(const config_setting_t *setting, char text[PATH_B
     return setting && *text ? strcat(text, ".") : "";
 }
 
-rp_status rp_config_unknown(const config_setting_t *setting, const rp_param *schema,
-                            const char *const *others, const char *more)
+rp_status rp_config_unknown(const config_setting_t *setting, const rp_param *schema, const char *others,
+                            const char *more)
 {
     const char *name = config_setting_name(setting);
     char path[PATH_BYTES], allowed[2048] = "";
     size_t used = 0;
     rp_guess guess = rp_guess_of(name);
     rp_guess_schema(&guess, schema);
+    rp_guess_words(&guess, others ? others : "");
     for (; schema->name && used < sizeof allowed; schema++)
         used += (size_t)snprintf(allowed + used, sizeof allowed - used, " %s", schema->name);
-    for (; others && *others && used < sizeof allowed; others++) {
-        rp_guess_try(&guess, *others);
-        used += (size_t)snprintf(allowed + used, sizeof allowed - used, " %s", *others);
-    }
-    return rp_config_fail(setting, "%s%s: unknown key%s; allowed:%s%s",
+    return rp_config_fail(setting, "%s%s: unknown key%s; allowed:%s%s%s%s",
                           path_within(config_setting_parent(setting), path), name, rp_guess_text(&guess),
-                          allowed, more);
+                          allowed, others ? " " : "", others ? others : "", more);
 }
 
 rp_status rp_config_scalar(const config_setting_t *setting, rp_value *value)
@@ -172,15 +169,20 @@ rp_status rp_config_value(const config_setting_t *setting, const rp_param *param
     return status ? rp_config_fail(setting, "%s%s", path_within(setting, path), rp_message()) : RP_OK;
 }
 
-static bool listed(const char *const *names, const char *name)
+rp_status rp_config_peek(const config_setting_t *group, const rp_param *schema, const char *keys,
+                         void *values)
 {
-    for (; names && *names; names++)
-        if (strcmp(*names, name) == 0) return true;
-    return false;
+    for (; schema->name; schema++) {
+        const config_setting_t *setting = keys && rp_word_index(keys, schema->name) < 0
+                                              ? NULL
+                                              : config_setting_get_member(group, schema->name);
+        if (setting) RP_TRY(rp_config_value(setting, schema, values));
+    }
+    return RP_OK;
 }
 
 rp_status rp_config_group(const config_setting_t *group, const rp_param *schema, void *values,
-                          const char *const *others)
+                          const char *others)
 {
     char path[PATH_BYTES];
     if (!config_setting_is_group(group))
@@ -189,7 +191,7 @@ rp_status rp_config_group(const config_setting_t *group, const rp_param *schema,
     for (int i = 0; i < config_setting_length(group); i++) {
         const config_setting_t *setting = config_setting_get_elem(group, (unsigned)i);
         const char *name = config_setting_name(setting);
-        if (listed(others, name)) continue;
+        if (rp_word_index(others, name) >= 0) continue;
         const rp_param *param = rp_params_find(schema, name);
         if (!param) return rp_config_unknown(setting, schema, others, "");
         RP_TRY(rp_config_value(setting, param, values));

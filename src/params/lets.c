@@ -34,8 +34,7 @@ static rp_status read_group(const config_setting_t *group, bool foreign, rp_let 
                                       {"range", "", RP_TEXT, offsetof(rp_let, range), "", "", ""},
                                       {"meaning", "", RP_TEXT, offsetof(rp_let, meaning), "", "", ""},
                                       {0}};
-    static const char *const others[] = {"value", NULL};
-    RP_TRY(rp_config_group(group, schema, let, others));
+    RP_TRY(rp_config_group(group, schema, let, "value"));
     *value = config_setting_get_member(group, "value");
     if (!*value) return rp_config_fail(group, "let.%s: value is missing", let->name);
     return foreign || !rp_unit_check(let->unit)

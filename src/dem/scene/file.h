@@ -44,10 +44,6 @@ static inline double dem_lower_end(double end)
     return isinf(end) ? -end : end;
 }
 
-/* Read those keys ("a b") of a group that stand there, before the group is read: others may be written with
- * them. */
-rp_status dem_peek(const config_setting_t *group, const rp_param *schema, const char *keys, void *values);
-
 /* Is a group there, or left out by its condition? */
 rp_status dem_is_wanted(const config_setting_t *group, bool *wanted);
 

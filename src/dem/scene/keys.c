@@ -195,21 +195,11 @@ const dem_scene_group dem_scene_schemas[] = {
      "polygon = ( [x, y], ... ) that the centres lie in, of the region"},
     {0}};
 
-rp_status dem_peek(const config_setting_t *group, const rp_param *schema, const char *keys, void *values)
-{
-    for (; schema->name; schema++) {
-        const config_setting_t *setting =
-            rp_word_index(keys, schema->name) >= 0 ? member(group, schema->name) : NULL;
-        if (setting) RP_TRY(rp_config_value(setting, schema, values));
-    }
-    return RP_OK;
-}
-
 rp_status dem_is_wanted(const config_setting_t *group, bool *wanted)
 {
     static const rp_param condition[] = {{"if", "", RP_BOOL, 0, NULL, "", "whether the group is there"}, {0}};
     *wanted = true;
-    return config_setting_is_group(group) ? dem_peek(group, condition, "if", wanted) : RP_OK;
+    return config_setting_is_group(group) ? rp_config_peek(group, condition, "if", wanted) : RP_OK;
 }
 
 rp_status dem_read_name(rp_arena *arena, const config_setting_t *setting, const char *key, const char **name)

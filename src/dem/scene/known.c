@@ -28,10 +28,10 @@ static rp_status mean_grain(const config_setting_t *root, const char *keys, dem_
     dem_grain grain = {0};
     dem_fill radii;
     *mean = *least = 0.0;
-    RP_TRY(dem_peek(root, SCHEMA(TOP), keys, file));
+    RP_TRY(rp_config_peek(root, SCHEMA(TOP), keys, file));
     RP_TRY(dem_first_fill(root, &fill));
     if (!fill && !list && add && member(add, "r")) {
-        RP_TRY(dem_peek(add, SCHEMA(PARTICLES), "r", &grain));
+        RP_TRY(rp_config_peek(add, SCHEMA(PARTICLES), "r", &grain));
         *mean = grain.r;
     } else if (fill || (!list && add)) {
         RP_TRY(dem_peek_radii(&file->scene.arena, fill ? fill : add, &radii));
@@ -40,7 +40,7 @@ static rp_status mean_grain(const config_setting_t *root, const char *keys, dem_
         if (radii.density > 0.0) file->physics.density = radii.density;
     }
     for (size_t i = 0; !fill && i < length(list); i++, grain.r = 0.0) {
-        RP_TRY(dem_peek(element(list, i), SCHEMA(PARTICLES), "r", &grain));
+        RP_TRY(rp_config_peek(element(list, i), SCHEMA(PARTICLES), "r", &grain));
         *mean += grain.r / (double)length(list);
     }
     if (!fill) *least = *mean;
@@ -55,7 +55,7 @@ static rp_status mean_mass(const config_setting_t *list, double *m)
     double sum = 0.0;
     for (size_t i = 0; i < length(list); i++) {
         dem_grain grain = {.m = one};
-        RP_TRY(dem_peek(element(list, i), SCHEMA(PARTICLES), "m", &grain));
+        RP_TRY(rp_config_peek(element(list, i), SCHEMA(PARTICLES), "m", &grain));
         sum += grain.m > 0.0 ? grain.m : one;
     }
     if (length(list) > 0) *m = sum / (double)length(list);
@@ -69,7 +69,7 @@ rp_status dem_know(void *host, rp_let_constant which, double *value)
     PART_OF_FILE(file);
     double r, least, g[2] = {0.0, rp_units_value("cm/s^2", file.scene.def.gravity[1])};
     if (which == RP_LET_DT) {
-        RP_TRY(dem_peek(root, SCHEMA(TOP), "dt", &file));
+        RP_TRY(rp_config_peek(root, SCHEMA(TOP), "dt", &file));
         return *value = file.physics.dt, RP_OK;
     }
     if (which == RP_LET_G) {
@@ -95,7 +95,7 @@ rp_status dem_call(void *host, const char *name, int n, const double args[], dou
     if (strcmp(name, "dt_limit") != 0) return RP_OK;
     if (n < 1 || n > 2 || !(args[0] >= 0.0) || isinf(args[0]) || (n == 2 && !(args[1] > 0.0)))
         return rp_fail(RP_BAD_INPUT, "dt_limit: a speed and, if wanted, a radius expected");
-    RP_TRY(dem_peek(root, SCHEMA(TOP), "rotation integrator shape density", &file));
+    RP_TRY(rp_config_peek(root, SCHEMA(TOP), "rotation integrator shape density", &file));
     for (int k = NORMAL; k <= ROLLING; k++) rp_params_defaults(SCHEMA(k), &file.physics);
     RP_TRY(dem_read_physics(root, &file, def));
     RP_TRY(dem_read_walls(root, &file.scene));

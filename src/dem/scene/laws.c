@@ -52,14 +52,14 @@ rp_status dem_text_laws(const config_setting_t *group, const dem_scene *scene, d
                            .x_min = dem_lower_end(laws->ends[0]),
                            .scene.def.x_max = laws->ends[1],
                            .y_min = dem_lower_end(laws->ends[2])};
-    RP_TRY(dem_peek(group, SCHEMA(TOP), "dt x_min x_max y_min", &file));
+    RP_TRY(rp_config_peek(group, SCHEMA(TOP), "dt x_min x_max y_min", &file));
     RP_TRY(dem_read_physics(group, &file, &def));
     *laws = (dem_scene_laws){file.physics,
                              {dem_lower_end(file.x_min), file.scene.def.x_max, dem_lower_end(file.y_min)}};
     return RP_OK;
 }
 
-rp_status dem_text_coefficients(const config_setting_t *group, const char *const others[], bool *some,
+rp_status dem_text_coefficients(const config_setting_t *group, const char *others, bool *some,
                                 dem_material *given)
 {
     RP_TRY(rp_config_group(group, dem_coefficient_schema, given, others));

@@ -19,7 +19,7 @@ static rp_status read_radii(rp_arena *arena, const config_setting_t *group, dem_
     return RP_OK;
 }
 
-rp_status dem_text_radii(rp_arena *arena, const config_setting_t *group, const char *const others[],
+rp_status dem_text_radii(rp_arena *arena, const config_setting_t *group, const char *others,
                          const dem_fill *as, dem_fill *radii)
 {
     bool given = member(group, "radii") != NULL;
@@ -36,8 +36,8 @@ rp_status dem_peek_radii(rp_arena *arena, const config_setting_t *group, dem_fil
 {
     *fill = (dem_fill){0};
     rp_params_defaults(SCHEMA(FILL), fill);
-    RP_TRY(dem_peek(group, SCHEMA(FILL),
-                    "radius_mean radius_width radius_min radius_max radius_law by density", fill));
+    RP_TRY(rp_config_peek(group, SCHEMA(FILL),
+                          "radius_mean radius_width radius_min radius_max radius_law by density", fill));
     RP_TRY(read_radii(arena, group, fill));
     return fill->law == DEM_RADII_TABLE ? dem_radii_check(fill) : RP_OK;
 }
@@ -63,12 +63,11 @@ static rp_status check_fill(const config_setting_t *group, const dem_scene_file 
 
 static rp_status read_fill(const config_setting_t *group, dem_scene_file *file, dem_fill *f)
 {
-    static const char *const others[] = {"radii", "polygon", "if", NULL};
     rp_arena *arena = &file->scene.arena;
     const config_setting_t *polygon = member(group, "polygon");
     double *corners = NULL;
     rp_params_defaults(SCHEMA(FILL), f);
-    RP_TRY(rp_config_group(group, SCHEMA(FILL), f, others));
+    RP_TRY(rp_config_group(group, SCHEMA(FILL), f, "radii polygon if"));
     RP_TRY(read_radii(arena, group, f));
     if (polygon) RP_TRY(dem_read_points(arena, polygon, 3, &f->n_corners, &corners));
     f->corners = corners;

@@ -28,21 +28,19 @@ void dem_text_close(dem_text *text)
 /* A group that may be missing, or left out by its condition; its values then stay as they are. */
 static rp_status read_group(const config_setting_t *root, int number, void *values, bool *there)
 {
-    static const char *const others[] = {"if", NULL};
     const config_setting_t *group = member(root, dem_scene_schemas[number].name);
     *there = false;
     if (group) RP_TRY(dem_is_wanted(group, there));
     if (!*there) return RP_OK;
     rp_params_defaults(SCHEMA(number), values);
-    return rp_config_group(group, SCHEMA(number), values, others);
+    return rp_config_group(group, SCHEMA(number), values, "if");
 }
 
 static rp_status read_scene(dem_text *text, dem_scene_file *file)
 {
-    static const char *const others[] = {"let",    "material",  "gravity", "normal", "tangential", "rolling",
-                                         "walls",  "particles", "fill",    "ground", "hard",       "implicit",
-                                         "phases", "measure",   "regions", "rest",   "result",     "seed",
-                                         "run",    "output",    "require", NULL};
+    static const char others[] =
+        "let material gravity normal tangential rolling walls particles fill ground hard implicit phases "
+        "measure regions rest result seed run output require";
     config_setting_t *root = config_root_setting(&text->config);
     dem_scene *scene = &file->scene;
     dem_definition *def = &scene->def;
@@ -73,7 +71,7 @@ static rp_status read_scene(dem_text *text, dem_scene_file *file)
     RP_TRY(dem_read_grains(text->path, root, file));
     /* seed and run of the text go before those of its first fill, and are for what phases add too */
     if (!scene->has_fill) rp_params_defaults(SCHEMA(FILL), &scene->fill);
-    return dem_peek(root, SCHEMA(FILL), "seed run", &scene->fill);
+    return rp_config_peek(root, SCHEMA(FILL), "seed run", &scene->fill);
 }
 
 rp_status dem_text_scene(dem_text *text, dem_scene *scene)

@@ -57,12 +57,12 @@ rp_status dem_laws_apply(const dem_scene_laws *laws, const dem_material *given, 
 void dem_laws_write(const dem_scene_laws *laws, FILE *out);
 
 /* The coefficients of a wall in a group, beside other keys; *some: there is one. Errors: RP_BAD_INPUT. */
-rp_status dem_text_coefficients(const config_setting_t *group, const char *const others[], bool *some,
+rp_status dem_text_coefficients(const config_setting_t *group, const char *others, bool *some,
                                 dem_material *given);
 
 /* Keys of radii in a group, beside other keys, `radii` among them; without any the radii of `as`, or the
  * defaults of a fill. Errors: RP_BAD_INPUT. */
-rp_status dem_text_radii(rp_arena *arena, const config_setting_t *group, const char *const others[],
+rp_status dem_text_radii(rp_arena *arena, const config_setting_t *group, const char *others,
                          const dem_fill *as, dem_fill *radii);
 
 #endif
