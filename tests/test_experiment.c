@@ -832,7 +832,7 @@ static void test_random_texts(void)
         scoped_trial t;
         rp_status status = read_text(&t, text);
         if (!status) status = exp_check(t.plan);
-        if (!status && exp_scene(t.plan)->has_fill && exp_scene(t.plan)->fill.N > 100) continue;
+        if (!status && exp_scene(t.plan)->fills && exp_scene(t.plan)->fills->N > 100) continue;
         if (!status) status = exp_start(t.plan, 1, 2, &t.run);
         for (int part = 0; !status && part < 100 && !exp_done(t.run); part++) status = exp_advance(t.run, 50);
         const bool right =

@@ -327,15 +327,15 @@ static void test_lets(void)
     dem_scene s;
     CHECK_OK(read_changed("", "", NULL, &s));
     CU_ASSERT(s.def.y_min == -0.4 && s.steps == 120 && s.def.rotation && s.def.material.mu == 0.2 &&
-              s.fill.N == 12);
-    CHECK_NEAR(s.fill.W, 4.8, 1e-15);
-    CHECK_NEAR(s.fill.density, 4.0 / M_PI, 1e-15);
+              s.fills->N == 12);
+    CHECK_NEAR(s.fills->W, 4.8, 1e-15);
+    CHECK_NEAR(s.fills->density, 4.0 / M_PI, 1e-15);
     CHECK_NEAR(s.def.x_max, 4.0 / 3.0 * M_PI * 1e-3 * 4.0 / M_PI * 981.0, 1e-14);
     CU_ASSERT(s.def.walls[0].open_at_step == 7 && s.def.walls[0].point[0] == -1.6);
-    CU_ASSERT(s.def.walls[0].extent[1] == -s.fill.W && isinf(s.def.walls[0].extent[0]));
+    CU_ASSERT(s.def.walls[0].extent[1] == -s.fills->W && isinf(s.def.walls[0].extent[0]));
     dem_scene_free(&s);
     CHECK_OK(read_changed("", "", &(rp_texts){3, {"D=0.5", "mu=0.7", "fill.H=3"}}, &s));
-    CU_ASSERT(s.fill.W == 1.5 && s.def.material.mu == 0.7 && s.fill.H == 3.0);
+    CU_ASSERT(s.fills->W == 1.5 && s.def.material.mu == 0.7 && s.fills->H == 3.0);
     dem_scene_free(&s);
 }
 

@@ -357,7 +357,7 @@ static void fill_among_walls(void)
         snprintf(text, sizeof text, "dt = 2e-5; walls = ( %s ); fill = { %s; };", cases[k].walls,
                  cases[k].fill);
         CHECK_OK(grains_read(text, NULL, &s));
-        s.fill.cut = &cut;
+        s.cut = &cut;
         CHECK_OK(dem_scene_start(&s, &sim));
         CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
         CHECK_OK(dem_states(sim, p));

@@ -131,7 +131,7 @@ static double between(exp_run *run, const double ends[2])
 
 double exp_density(const exp_plan *plan, const exp_add *a, double given)
 {
-    const dem_fill *first = dem_scene_fill_at((dem_scene *)&plan->scene, 0);
+    const dem_fill *first = plan->scene.fills;
     return exp_given(&a->density) ? given : first ? first->density : plan->scene.laws.physics.density;
 }
 

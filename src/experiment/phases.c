@@ -79,23 +79,16 @@ static rp_status make_room(exp_run *run)
 static rp_status fill(exp_run *run, dem_scene *scene)
 {
     const exp_plan *plan = run->plan;
-    dem_definition def = scene->def;
-    dem_grain *grains = NULL;
-    size_t *ends, i = 0;
+    size_t i = scene->grains ? scene->def.n_grains : 0;
     RP_SCOPE(arena);
-    RP_NEW(&arena, ends, scene->n_more + 1);
-    rp_status status = dem_scene_grains(scene, &grains, &def.n_grains, ends);
-    if (plan->adds) def.radius_to_come = 0.5 * plan->d;
-    def.grains = grains, def.lines = scene->has_fill ? NULL : scene->lines;
-    if (!status) status = dem_create(&def, &run->sim);
-    free(grains);
-    if (status) return status;
-    if (!exp_make_ids(run, def.n_grains + 1)) return run->failed;
-    i = scene->grains ? scene->def.n_grains : 0;
-    for (size_t k = 0; dem_scene_fill_at(scene, k); k++) {
-        const char *name = dem_scene_fill_at(scene, k)->kind;
+    RP_NEW(&arena, scene->ends, scene->n_fills);
+    if (plan->adds) scene->def.radius_to_come = 0.5 * plan->d;
+    RP_TRY(dem_scene_start(scene, &run->sim));
+    if (!exp_make_ids(run, dem_count(run->sim) + 1)) return run->failed;
+    for (size_t k = 0; k < scene->n_fills; k++) {
+        const char *name = scene->fills[k].kind;
         const exp_scope *kind = exp_scope_named(plan, EXP_KIND, name, strlen(name), NULL);
-        for (; i < ends[k]; i++) run->kinds[i] = kind ? (int32_t)kind->index : -1;
+        for (; i < scene->ends[k]; i++) run->kinds[i] = kind ? (int32_t)kind->index : -1;
     }
     return RP_OK;
 }
@@ -130,8 +123,8 @@ rp_status exp_start(const exp_plan *plan, unsigned long seed, unsigned long stre
     RP_TRY(make_run(plan, seed, stream, made));
     exp_run *run = *made;
     dem_scene scene = plan->scene;
-    scene.fill.seed = (long)seed, scene.fill.run = (long)stream;
-    for (int k = 0; k < 2; k++) scene.fill.streams[k] = run->random[k];
+    scene.seed = (long)seed, scene.run = (long)stream;
+    for (int k = 0; k < 2; k++) scene.streams[k] = run->random[k];
     rp_status status = fill(run, &scene);
     if (status == RP_NO_RESULT) return exp_conclude(run, "no_room", "%s", rp_message()), RP_OK;
     if (status) return rp_prefix(status, "%s: ", plan->text->path);
@@ -143,8 +136,7 @@ rp_status exp_start(const exp_plan *plan, unsigned long seed, unsigned long stre
 
 rp_status exp_start_at(const exp_plan *plan, size_t phase, const dem_sim *sim, exp_run **made)
 {
-    const dem_fill *fill = &plan->scene.fill;
-    RP_TRY(make_run(plan, (unsigned long)fill->seed, (unsigned long)fill->run, made));
+    RP_TRY(make_run(plan, (unsigned long)plan->scene.seed, (unsigned long)plan->scene.run, made));
     exp_run *run = *made;
     RP_TRY(dem_clone(sim, &run->sim));
     count_start(run);

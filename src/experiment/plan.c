@@ -173,7 +173,7 @@ static rp_status read(exp_plan *plan)
         if (exp_observable_named(let->name, ~(unsigned)OF_NEW)) /* whose name stands alone too */
             return rp_config_fail(config_lookup(&text->config, "let"), "let.%s: is an observable", let->name);
     RP_NEW(&plan->arena, plan->scopes,
-           plan->scene.def.n_walls + plan->scene.n_more + 1 +
+           plan->scene.def.n_walls + plan->scene.n_fills +
                2 * exp_count_phases(config_lookup(&text->config, "phases")) +
                length(config_lookup(&text->config, "regions")) +
                length(config_lookup(&text->config, "measure")));

@@ -152,7 +152,7 @@ static rp_status read_add(const config_setting_t *group, exp_place *place, exp_a
     for (size_t k = 0; k < sizeof fallbacks / sizeof *fallbacks; k++)
         if (!exp_given(keys[k].e)) keys[k].e->x = (rp_expression){.known = true, .value = fallbacks[k]};
     if (!x_range) a->x[1] = a->x[0];
-    RP_TRY(dem_text_radii(&plan->arena, group, others, dem_scene_fill_at(&plan->scene, 0), &a->radii));
+    RP_TRY(dem_text_radii(&plan->arena, group, others, plan->scene.fills, &a->radii));
     return exp_given(&a->r) && member(group, "radius_mean")
                ? rp_config_fail(group, "add: r and radius_mean; keep one")
                : RP_OK;
@@ -320,8 +320,7 @@ rp_status exp_name_phases(exp_plan *plan)
 {
     const config_setting_t *list = config_lookup(&plan->text->config, "phases"),
                            *fill = config_lookup(&plan->text->config, "fill");
-    for (size_t k = 0; dem_scene_fill_at(&plan->scene, k); k++)
-        RP_TRY(name_kind(plan, fill, dem_scene_fill_at(&plan->scene, k)->kind));
+    for (size_t k = 0; k < plan->scene.n_fills; k++) RP_TRY(name_kind(plan, fill, plan->scene.fills[k].kind));
     RP_NEW(&plan->arena, plan->phases, exp_count_phases(list));
     RP_TRY(name_phases(plan, list, SIZE_MAX));
     RP_NEW(&plan->arena, plan->loads, plan->n_loads);

@@ -6,17 +6,6 @@
 #include "params/config.h"
 #include "params/settings.h"
 
-/* What a scene file says, before defaults that depend on one another are filled in. */
-typedef struct {
-    dem_scene scene;
-    dem_physics physics;
-    bool has_density; /* given, no default */
-    double x_min, y_min, turn_deg, box_turn_deg;
-    int units;
-    const char *particles_file, *contacts_file;
-    long particles_step; /* -1: the last */
-} dem_scene_file;
-
 /* What it says of a wall: one wall, or a polygon or circle of several. */
 typedef struct {
     dem_wall line;
@@ -43,6 +32,7 @@ static inline double dem_lower_end(double end)
 {
     return isinf(end) ? -end : end;
 }
+void dem_ends_apply(const dem_scene_laws *laws, dem_definition *def);
 
 /* Is a group there, or left out by its condition? */
 rp_status dem_is_wanted(const config_setting_t *group, bool *wanted);
@@ -55,11 +45,11 @@ rp_status dem_read_points(rp_arena *arena, const config_setting_t *list, size_t 
                           double **points);
 
 /* The groups of the contacts' parameters that stand in a text, over those that are there. */
-rp_status dem_read_physics(const config_setting_t *root, dem_scene_file *file, dem_definition *def);
+rp_status dem_read_physics(const config_setting_t *root, dem_scene *scene);
 
 rp_status dem_read_walls(const config_setting_t *root, dem_scene *scene);
-rp_status dem_read_fills(const config_setting_t *fill, dem_scene_file *file);
-rp_status dem_read_grains(const char *path, const config_setting_t *root, dem_scene_file *file);
+rp_status dem_read_fills(const config_setting_t *fill, dem_scene *scene);
+rp_status dem_read_grains(const char *path, const config_setting_t *root, dem_scene *scene);
 
 /* The first fill that is there, and the first group `add` of phases; NULL: none. What tells the radii and the
  * density of a fill. */
