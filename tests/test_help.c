@@ -645,14 +645,14 @@ static void scene_lines(bool si)
 
 static void experiment_lines(bool si)
 {
-    for (const exp_group *g = exp_groups; g->name; g++) {
+    for (const dem_scene_group *g = exp_groups; g->name; g++) {
         line_is("# experiment, %s: %s", g->name, g->manual);
         schema_lines(g->schema, si);
     }
-    exp_group m;
-    for (size_t k = 0; (m = exp_module_at(k)).name; k++) {
+    for (const exp_module *const *at = exp_modules; *at; at++) {
+        const exp_module m = **at;
         line_is("# experiment, measure of = \"%s\": %s; a column is the measure's name with one of", m.name,
-                m.manual);
+                m.about);
         for (const exp_output *o = m.outputs; o->name; o++) {
             const exp_output *first = o; /* a family of the bins stands in one line */
             const size_t stem = strcspn(o->name, "0123456789");
@@ -763,11 +763,10 @@ static void test_params_json(void)
         }
         for (const dem_scene_group *g = dem_scene_schemas; g->name; g++)
             schema_rows("scene", g == dem_scene_schemas ? "top level" : g->name, g->schema, si);
-        for (const exp_group *g = exp_groups; g->name && k < 2; g++)
+        for (const dem_scene_group *g = exp_groups; g->name && k < 2; g++)
             schema_rows("experiment", g->name, g->schema, si);
-        exp_group m;
-        for (size_t i = 0; (m = exp_module_at(i)).name && k < 2; i++)
-            schema_rows("experiment", m.name, m.schema, si);
+        for (const exp_module *const *m = exp_modules; *m && k < 2; m++)
+            schema_rows("experiment", (*m)->name, (*m)->schema, si);
         exp_word w;
         for (size_t i = 0; (w = exp_observable_at(i)).name && k < 2; i++)
             row_is((const char *[]){"experiment", "observable", w.name, or_dash(rp_unit(w.unit)), "-", "-",

@@ -25,16 +25,10 @@ bool cli_given(const cli_call *call, const char *name)
     return call->given[rp_params_find(call->options, name) - call->options];
 }
 
-static void free_generator(void *rng)
-{
-    gsl_rng_free(rng);
-}
-
 gsl_rng *cli_random(const cli_call *call, unsigned long run)
 {
     const long seed = *(const long *)cli_value(call, "seed");
-    return rp_arena_keep(call->arena, rp_random_alloc((unsigned long)seed, run, RP_PURPOSE_BOOTSTRAP),
-                         free_generator);
+    return rp_random_in(call->arena, (unsigned long)seed, run, RP_PURPOSE_BOOTSTRAP);
 }
 
 void cli_defaults_in_units(const cli_call *call)

@@ -21,14 +21,7 @@ typedef struct {
 
 /* The language, for people: keys of phases and measures, what expressions may ask for. Ended by a NULL name.
  */
-typedef struct {
-    const char *name;
-    const rp_param *schema;
-    const char *manual;
-    const exp_output *outputs; /* of a module: endings of columns */
-} exp_group;
-extern const exp_group exp_groups[];
-exp_group exp_module_at(size_t k); /* modules of measures; a NULL name past the end */
+extern const dem_scene_group exp_groups[];
 typedef struct {
     const char *name, *of, *unit, *meaning;
 } exp_word;

@@ -151,14 +151,13 @@ void exp_place_in(exp_place *place, exp_plan *plan)
 rp_status exp_expression_read(const config_setting_t *setting, const char *key, rp_x_type type,
                               exp_place *place, exp_expression *e)
 {
-    static const char *const expected[] = {"a number", "a condition", "a word"};
     exp_plan *plan = place->plan;
     rp_value v;
     if (rp_config_scalar(setting, &v))
-        return rp_config_fail(setting, "%s: %s expected, or an expression of it", key, expected[type]);
+        return rp_config_fail(setting, "%s: %s expected, or an expression of it", key, rp_x_types[type]);
     if (v.kind != RP_V_TEXT) {
         const rp_x_type is = v.kind == RP_V_BOOL ? RP_X_TRUTH : RP_X_NUMBER;
-        if (is != type) return rp_config_fail(setting, "%s: %s expected", key, expected[type]);
+        if (is != type) return rp_config_fail(setting, "%s: %s expected", key, rp_x_types[type]);
         e->x = (rp_expression){.type = type, .known = true, .value = v.kind == RP_V_REAL ? v.r : (double)v.i};
         e->x.text = rp_text(&plan->arena, "%g", e->x.value);
         return e->x.text ? RP_OK : RP_NO_MEMORY;

@@ -373,23 +373,6 @@ const exp_observable exp_observables[] = {OBSERVABLES(ROW){0}};
 
 /* ---- modules ---- */
 
-#define X(name) &exp_module_##name,
-static const exp_module *const modules[] = {EXP_MODULES(X) NULL};
-#undef X
-
-const exp_module *exp_module_find(const char *name, size_t length)
-{
-    for (const exp_module *const *m = modules; *m; m++)
-        if (strlen((*m)->name) == length && strncmp((*m)->name, name, length) == 0) return *m;
-    return NULL;
-}
-
-exp_group exp_module_at(size_t k)
-{
-    if (k >= sizeof modules / sizeof *modules - 1) return (exp_group){0};
-    return (exp_group){modules[k]->name, modules[k]->schema, modules[k]->about, modules[k]->outputs};
-}
-
 rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_MODULE_OUTPUTS])
 {
     const exp_plan *plan = run->plan;
@@ -461,22 +444,11 @@ bool exp_true(exp_run *run, const exp_expression *e)
     return exp_value(run, e) == 1.0;
 }
 
-typedef struct {
-    const exp_plan *plan;
-    const char *observable;
-    bool asks;
-} question;
-
-static void ask(void *host, int id)
-{
-    question *q = host;
-    q->asks |=
-        id < EXP_ID_MEASURE && (!q->observable || strcmp(q->plan->uses[id].of->name, q->observable) == 0);
-}
-
 bool exp_asks(const exp_plan *plan, const exp_expression *e, const char *observable)
 {
-    question q = {plan, observable, false};
-    rp_expression_each(&e->x, ask, &q);
-    return q.asks;
+    int id;
+    for (size_t k = 0; (id = rp_expression_asks(&e->x, k)) >= 0; k++)
+        if (id < EXP_ID_MEASURE && (!observable || strcmp(plan->uses[id].of->name, observable) == 0))
+            return true;
+    return false;
 }

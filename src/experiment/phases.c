@@ -101,8 +101,8 @@ static rp_status make_run(const exp_plan *plan, unsigned long seed, unsigned lon
     run->plan = plan;
     RP_TRY(make_room(run));
     for (int k = 0; k < 2 && plan->adds; k++) {
-        run->random[k] = rp_random_alloc(seed, stream, k ? RP_PURPOSE_PLACES : RP_PURPOSE_RADII);
-        if (!run->random[k]) return rp_fail(RP_NO_MEMORY, "run: out of memory");
+        run->random[k] = rp_random_in(&run->arena, seed, stream, k ? RP_PURPOSE_PLACES : RP_PURPOSE_RADII);
+        if (!run->random[k]) return RP_NO_MEMORY;
     }
     run->at.now.turn[0] = plan->scene.def.turn_per_step * (180.0 / M_PI);
     run->at.now.turn[1] = plan->scene.def.box_turn_per_step * (180.0 / M_PI);
@@ -155,8 +155,6 @@ void exp_run_free(exp_run *run)
     for (size_t k = 0; run->saved && k < run->plan->n_phases; k++) dem_free(run->saved[k].sim);
     for (size_t k = 0; run->kept && k < run->plan->n_phases; k++) rp_snapshot_free(&run->kept[k]);
     free(run->marks), free(run->kinds), free(run->states), free(run->contacts);
-    for (int k = 0; k < 2; k++)
-        if (run->random[k]) gsl_rng_free(run->random[k]);
     dem_free(run->sim);
     rp_arena_end(&run->arena);
     free(run);

@@ -225,7 +225,7 @@ const exp_output *exp_outputs(const exp_plan *plan, size_t *n)
     return plan->outputs;
 }
 
-const exp_group exp_groups[] = {
+const dem_scene_group exp_groups[] = {
     {"phases", exp_phase_schema,
      "a list, in its order: name; one of steps (a number), time (s), until (a condition, looked at every "
      "`every` steps); if (a condition of lets); fail = { word = \"condition\"; }. From here on: gravity = "

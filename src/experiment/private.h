@@ -309,7 +309,6 @@ double exp_observe(void *run, int id, const double args[]);
 
 /* The numbers of a module. Errors: RP_NO_RESULT; others. */
 rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_MODULE_OUTPUTS]);
-const exp_module *exp_module_find(const char *name, size_t length); /* NULL: none */
 
 /* Take the samples of a look; the values of the measures of a phase that has ended. */
 void exp_sample(exp_run *run);

@@ -82,7 +82,7 @@ static rp_status check_module(const config_setting_t *setting, const char *of)
     if (!of || !exp_is_word(of) || exp_observable_named(of, ~(unsigned)OF_NEW) || rp_lets_has(setting, of))
         return RP_OK;
     rp_guess guess = rp_guess_of(of);
-    for (size_t k = 0; exp_module_at(k).name; k++) rp_guess_try(&guess, exp_module_at(k).name);
+    for (const exp_module *const *m = exp_modules; *m; m++) rp_guess_try(&guess, (*m)->name);
     return *rp_guess_text(&guess)
                ? rp_config_fail(member(setting, "of"), "of \"%s\": unknown name%s", of, rp_guess_text(&guess))
                : RP_OK;
@@ -93,7 +93,9 @@ static rp_status read_module(exp_plan *plan, const config_setting_t *setting, ex
 {
     const config_setting_t *what = member(setting, "of");
     const char *of = what ? config_setting_get_string(what) : NULL, *dot = of ? strchr(of, '.') : NULL;
-    m->module = of ? exp_module_find(of, dot ? (size_t)(dot - of) : strlen(of)) : NULL;
+    for (const exp_module *const *at = exp_modules; of && *at; at++)
+        if (strlen((*at)->name) == strcspn(of, ".") && strncmp((*at)->name, of, strcspn(of, ".")) == 0)
+            m->module = *at;
     m->pick = -1;
     if (!m->module) return check_module(setting, of);
     rp_guess guess = rp_guess_of(dot ? dot + 1 : "");

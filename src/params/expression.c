@@ -173,7 +173,7 @@ typedef struct {
     const char *begins;
 } x_part;
 
-static const char *const types[] = {"a number", "a condition", "a word"};
+const char *const rp_x_types[] = {"a number", "a condition", "a word"};
 
 /* A failure, and one that another function has reported, with the character of the text. */
 #define fail_at(r, at, ...)  place(r, at, rp_fail(RP_BAD_INPUT, __VA_ARGS__))
@@ -229,7 +229,8 @@ static rp_status expect(x_reader *r, const char *sign)
 static rp_status want(const x_reader *r, const x_part *part, rp_x_type type)
 {
     if (part->type == type) return RP_OK;
-    return fail_at(r, part->begins, "%s stands where %s is expected", types[part->type], types[type]);
+    return fail_at(r, part->begins, "%s stands where %s is expected", rp_x_types[part->type],
+                   rp_x_types[type]);
 }
 
 static bool is_known(const x_reader *r, size_t start)
@@ -521,15 +522,16 @@ rp_status rp_expression_read_as(rp_arena *arena, const char *text, rp_x_type typ
 {
     RP_TRY(rp_expression_read(arena, text, names, e));
     if (e->type == type) return RP_OK;
-    return rp_fail(RP_BAD_INPUT, "is %s, %s is expected", types[e->type], types[type]);
+    return rp_fail(RP_BAD_INPUT, "is %s, %s is expected", rp_x_types[e->type], rp_x_types[type]);
 }
 
 /* ---- what is in it ---- */
 
-void rp_expression_each(const rp_expression *e, void (*each)(void *host, int id), void *host)
+int rp_expression_asks(const rp_expression *e, size_t k)
 {
     for (size_t i = 0; i < e->n; i++)
-        if (e->steps[i].kind == X_NAME || e->steps[i].kind == X_KNOWN) each(host, e->steps[i].id);
+        if ((e->steps[i].kind == X_NAME || e->steps[i].kind == X_KNOWN) && k-- == 0) return e->steps[i].id;
+    return -1;
 }
 
 char *rp_expression_key(rp_arena *arena, const rp_expression *e)
