@@ -373,6 +373,10 @@ const exp_observable exp_observables[] = {OBSERVABLES(ROW){0}};
 
 /* ---- modules ---- */
 
+#define X(name) &exp_module_##name,
+const exp_module *const exp_modules[] = {EXP_MODULES(X) NULL};
+#undef X
+
 rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_MODULE_OUTPUTS])
 {
     const exp_plan *plan = run->plan;

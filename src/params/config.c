@@ -143,10 +143,9 @@ static rp_status set_computed(const config_setting_t *setting, const rp_param *p
                            : whole                 ? (rp_value){.kind = RP_V_INT, .i = (long)is.value}
                                                    : (rp_value){.kind = RP_V_REAL, .r = is.value};
     if (!isfinite(is.value) && param->type == RP_REAL) { /* what is infinite has its word, if there is one */
-        static const char *const words[] = {"none", "infinite", "instant"};
-        for (size_t k = 0; k < sizeof words / sizeof *words; k++)
-            if (strstr(param->range, words[k])) return rp_params_set_text(param, values, words[k]);
-        return rp_params_set_text(param, values, is.value > 0.0 ? "inf" : "-inf");
+        char spelt[64];
+        rp_params_text(&(rp_param){.type = RP_REAL, .range = param->range}, &is.value, spelt, sizeof spelt);
+        return rp_params_set_text(param, values, *spelt ? spelt : is.value > 0.0 ? "inf" : "-inf");
     }
     return rp_params_set(param, values, &value);
 }
@@ -261,19 +260,14 @@ void rp_config_write_text(FILE *out, const char *text)
     fputc('"', out);
 }
 
-void rp_config_write_scalar(FILE *out, const rp_value *v)
-{
-    if (v->kind == RP_V_REAL) fprintf(out, isinf(v->r) ? "\"%g\"" : "%.17e", v->r);
-    if (v->kind == RP_V_INT) fprintf(out, "%ld", v->i);
-    if (v->kind == RP_V_BOOL) fputs(v->i ? "true" : "false", out);
-    if (v->kind == RP_V_TEXT) rp_config_write_text(out, v->s);
-}
-
 void rp_config_write_value(FILE *out, const config_setting_t *setting)
 {
     rp_value v;
-    if (!config_setting_is_aggregate(setting)) {
-        if (!rp_config_scalar(setting, &v)) rp_config_write_scalar(out, &v);
+    if (!rp_config_scalar(setting, &v)) {
+        if (v.kind == RP_V_REAL) fprintf(out, isinf(v.r) ? "\"%g\"" : "%.17e", v.r);
+        if (v.kind == RP_V_INT) fprintf(out, "%ld", v.i);
+        if (v.kind == RP_V_BOOL) fputs(v.i ? "true" : "false", out);
+        if (v.kind == RP_V_TEXT) rp_config_write_text(out, v.s);
         return;
     }
     const bool named = config_setting_is_group(setting);

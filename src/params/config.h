@@ -43,9 +43,8 @@ rp_status rp_config_value(const config_setting_t *setting, const rp_param *param
 /* Of names in a text. */
 #define RP_NAME_LETTERS "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_"
 
-/* A text in quotes; a value, and a setting's, as they are read back to the bit. */
+/* A text in quotes; a setting's value, as it is read back to the bit. */
 void rp_config_write_text(FILE *out, const char *text);
-void rp_config_write_scalar(FILE *out, const rp_value *v);
 void rp_config_write_value(FILE *out, const config_setting_t *setting);
 
 /* Write "name = value; " for each parameter of a schema, as rp_config_group reads it back to the same bits.

@@ -59,8 +59,6 @@ static rp_status read_let(const config_setting_t *root, const config_setting_t *
     rp_value is;
     if (rp_config_scalar(value, &is))
         return rp_fail(RP_BAD_INPUT, "a number, true, false, a word or an expression expected");
-    for (size_t k = 0; k < lets->n_given; k++)
-        if (strcmp(lets->given[k].name, let.name) == 0) is = lets->given[k].value;
     const bool word = is_word_of(&let, &is, &let.is.value);
     if (word)
         let.is.type = RP_X_NUMBER, let.is.known = true, is.kind = RP_V_REAL;

@@ -8,9 +8,14 @@
 #include "dem/scene/radii.h"
 #include "params/units.h"
 
+static void end_scene(dem_scene *scene)
+{
+    rp_arena_end(&scene->arena);
+}
+
 /* A scene at its defaults, of which parts are read; it ends with the block. */
 #define PART_OF_SCENE(name)                                                                                  \
-    RP_ENDS(dem_scene_free) dem_scene name = {.def = dem_definition_default()};                              \
+    RP_ENDS(end_scene) dem_scene name = {.def = dem_definition_default()};                                   \
     rp_params_defaults(SCHEMA(TOP), &name)
 
 /* Radius of the mean grain of the first fill, of the particles, or of what a phase adds first, 0: unknown;

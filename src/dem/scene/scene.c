@@ -21,7 +21,6 @@ rp_status dem_text_open(const char *name, const char *bytes, const rp_texts *cha
 void dem_text_close(dem_text *text)
 {
     rp_lets_end(&text->lets);
-    rp_arena_end(&text->memory);
     config_destroy(&text->config);
 }
 

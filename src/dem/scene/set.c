@@ -74,7 +74,7 @@ static bool add_copy(config_setting_t *parent, const char *name, const config_se
     return whole;
 }
 
-static const config_setting_t *let_of(const dem_text *text, const char *name)
+static config_setting_t *let_of(const dem_text *text, const char *name)
 {
     const config_setting_t *let = config_lookup(&text->config, "let");
     return let ? member(let, name) : NULL;
@@ -97,17 +97,20 @@ static rp_status check_let(const dem_text *scene, const char *key, const char *t
 
 rp_status dem_text_give(dem_text *text, const char *name, const rp_value *value)
 {
-    rp_lets *lets = &text->lets;
-    const config_setting_t *let = let_of(text, name);
-    size_t k = 0;
-    while (k < lets->n_given && strcmp(lets->given[k].name, name) != 0) k++;
+    config_setting_t *let = let_of(text, name);
     if (!let) return rp_fail(RP_BAD_INPUT, "let: the text has no %s", name);
-    if (k == RP_LETS_MOST) return rp_fail(RP_BAD_INPUT, "let: more than %d values are given", RP_LETS_MOST);
-    lets->given[k] = (rp_let_given){config_setting_name(let), *value};
-    lets->n_given += k == lets->n_given;
-    if (value->kind != RP_V_TEXT) return RP_OK;
-    lets->given[k].value.s = rp_text(&text->memory, "%s", value->s);
-    return lets->given[k].value.s ? RP_OK : RP_NO_MEMORY;
+    if (config_setting_is_group(let)) let = member(let, "value");
+    if (!let || config_setting_is_aggregate(let)) return RP_OK; /* which its reading refuses */
+    /* of another type, in its place: later lets are written with it */
+    if (config_setting_type(let) == CONFIG_TYPE_STRING) config_setting_set_string(let, NULL);
+    let->type = CONFIG_TYPE_NONE, let->value.sval = NULL;
+    switch (value->kind) {
+    case RP_V_INT: config_setting_set_int64(let, value->i); break;
+    case RP_V_REAL: config_setting_set_float(let, value->r); break;
+    case RP_V_BOOL: config_setting_set_bool(let, (int)value->i); break;
+    case RP_V_TEXT: config_setting_set_string(let, value->s); break;
+    }
+    return RP_OK;
 }
 
 #define NAMED_KEY(...) NAMED_KEY_OF(__VA_ARGS__)

@@ -14,7 +14,6 @@ typedef struct {
     const char *path; /* borrowed */
     config_t config;
     rp_lets lets;
-    rp_arena memory;
 } dem_text;
 
 /* Read a file, or bytes that are there, and the changes of it, of which those of a let are given to the lets;
@@ -38,8 +37,7 @@ typedef struct {
 } dem_named_key;
 extern const dem_named_key dem_named_keys[];
 
-/* Give a let a value, of a text that is open; another reading takes it. Errors: RP_BAD_INPUT (no such let).
- */
+/* Give a let a value instead of its own; another reading takes it. Errors: RP_BAD_INPUT (no such let). */
 rp_status dem_text_give(dem_text *text, const char *name, const rp_value *value);
 
 /* Make the scene, with the lets as given; phases, measures and regions are left to the caller. Afterwards

@@ -141,30 +141,6 @@ void dem_scene_write(const dem_scene *scene, FILE *out)
     if (scene->grains) write_particles(out, scene);
 }
 
-/* A let, with the value that it was given. */
-static void write_let(const rp_lets *lets, const config_setting_t *let, FILE *out)
-{
-    const rp_let_given *given = lets->given;
-    while (given < lets->given + lets->n_given && strcmp(given->name, config_setting_name(let)) != 0) given++;
-    fprintf(out, "  %s = ", config_setting_name(let));
-    if (given == lets->given + lets->n_given) {
-        rp_config_write_value(out, let);
-    } else if (!config_setting_is_group(let)) {
-        rp_config_write_scalar(out, &given->value);
-    } else {
-        fputs("{ ", out);
-        for (size_t i = 0; i < length(let); i++) {
-            const config_setting_t *m = element(let, i);
-            const bool value = strcmp(config_setting_name(m), "value") == 0;
-            fprintf(out, "%s = ", config_setting_name(m));
-            value ? rp_config_write_scalar(out, &given->value) : rp_config_write_value(out, m);
-            fputs("; ", out);
-        }
-        fputc('}', out);
-    }
-    fputs(";\n", out);
-}
-
 void dem_text_write(const dem_text *text, unsigned long seed, unsigned long stream, FILE *out)
 {
     const config_setting_t *root = config_root_setting(&text->config);
@@ -175,7 +151,11 @@ void dem_text_write(const dem_text *text, unsigned long seed, unsigned long stre
         const bool let = strcmp(name, "let") == 0;
         if (strcmp(name, "seed") == 0 || strcmp(name, "run") == 0) continue;
         fprintf(out, let ? "%s = {\n" : "%s = ", name);
-        for (size_t k = 0; k < length(s) && let; k++) write_let(&text->lets, element(s, k), out);
+        for (size_t k = 0; k < length(s) && let; k++) {
+            fprintf(out, "  %s = ", config_setting_name(element(s, k)));
+            rp_config_write_value(out, element(s, k));
+            fputs(";\n", out);
+        }
         let ? (void)fputc('}', out) : rp_config_write_value(out, s);
         fputs(";\n", out);
     }

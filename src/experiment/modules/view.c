@@ -6,10 +6,6 @@
 
 const rp_param exp_no_keys[] = {{0}};
 
-#define X(name) &exp_module_##name,
-const exp_module *const exp_modules[] = {EXP_MODULES(X) NULL};
-#undef X
-
 static int by_id(const void *a, const void *b)
 {
     const uint32_t p = ((const dem_state *)a)->id, q = ((const dem_state *)b)->id;
