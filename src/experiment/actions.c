@@ -247,7 +247,7 @@ void exp_push_walls(exp_run *run)
 {
     const exp_plan *plan = run->plan;
     const double mass = fmax(0.1 * (run->at.mass0 + run->at.now.added_mass), 10.0 * plan->m),
-                 dt = exp_dt(run);
+                 dt = exp_laws(run)->dt;
     for (size_t w = 0; w < plan->n_walls && !run->at.done; w++) {
         const exp_wall *wall = &plan->walls[w];
         const dem_wall_state now = dem_wall_now(run->sim, wall->walls[0]);

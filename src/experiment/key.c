@@ -67,12 +67,7 @@ static void put_phase(FILE *out, rp_arena *arena, const exp_plan *plan, const ex
     fputc('\n', out);
 }
 
-char *exp_key(const exp_plan *plan)
-{
-    return exp_key_to(plan, plan->n_phases);
-}
-
-char *exp_key_to(const exp_plan *plan, size_t end)
+char *exp_key(const exp_plan *plan, size_t end)
 {
     char *text = NULL;
     size_t size = 0;
@@ -97,7 +92,7 @@ char *exp_key_to(const exp_plan *plan, size_t end)
         for (size_t c = 0; c < 2 * r->n_points; c++) put(out, &arena, "p", &r->points[c]);
         fputc('\n', out);
     }
-    for (size_t k = 0; k < end; k++) put_phase(out, &arena, plan, &plan->phases[k]);
+    for (size_t k = 0; k < end && k < plan->n_phases; k++) put_phase(out, &arena, plan, &plan->phases[k]);
     for (size_t k = 0; k < plan->n_measures; k++) {
         const exp_measure *m = &plan->measures[k];
         if (m->left_out || m->phase >= end) continue;

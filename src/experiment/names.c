@@ -71,25 +71,32 @@ static bool is_later(const exp_plan *plan, const exp_measure *m, size_t k)
     return !m->left_out && m->phase > here && !within;
 }
 
+/* The measure with an output of this name; NULL: there is none. */
+static const exp_measure *measure_of(const exp_plan *plan, const char *name, size_t *output)
+{
+    for (const exp_measure *m = plan->measures; m < plan->measures + plan->n_measures; m++)
+        for (*output = m->output; *output < m->output + m->n_outputs; ++*output)
+            if (strcmp(plan->outputs[*output].name, name) == 0) return m;
+    return NULL;
+}
+
 static rp_status find_measure(const exp_place *place, const char *name, rp_x_symbol *symbol, bool *known)
 {
     const exp_plan *plan = place->plan;
-    for (size_t k = 0; k < plan->n_measures && !*known; k++) {
-        const exp_measure *m = &plan->measures[k];
-        for (size_t o = m->output; o < m->output + m->n_outputs; o++) {
-            if (strcmp(plan->outputs[o].name, name) != 0) continue;
-            const bool during = (m->take == TAKE_FIRST || m->take == TAKE_MAX || m->take == TAKE_MIN) &&
-                                m->phase == place->phase && m->skip == 0.0 && !*m->level_of;
-            if (place->phase != SIZE_MAX && m->phase >= place->phase && !during)
-                return rp_fail(RP_BAD_INPUT, "%s is measured at %s, after this phase", name,
-                               plan->phases[m->phase].name);
-            if (place->phase == SIZE_MAX && (k >= place->measure || is_later(plan, m, place->measure)))
-                return rp_fail(RP_BAD_INPUT, "%s is measured after this", name);
-            *symbol = (rp_x_symbol){
-                .type = RP_X_NUMBER, .key = plan->outputs[o].name, .id = EXP_ID_MEASURE + (int)o};
-            *known = true;
-        }
-    }
+    size_t output;
+    const exp_measure *m = measure_of(plan, name, &output);
+    if (!m) return RP_OK;
+    const bool during = (m->take == TAKE_FIRST || m->take == TAKE_MAX || m->take == TAKE_MIN) &&
+                        m->phase == place->phase && m->skip == 0.0 && !*m->level_of;
+    if (place->phase != SIZE_MAX && m->phase >= place->phase && !during)
+        return rp_fail(RP_BAD_INPUT, "%s is measured at %s, after this phase", name,
+                       plan->phases[m->phase].name);
+    if (place->phase == SIZE_MAX &&
+        ((size_t)(m - plan->measures) >= place->measure || is_later(plan, m, place->measure)))
+        return rp_fail(RP_BAD_INPUT, "%s is measured after this", name);
+    *symbol = (rp_x_symbol){
+        .type = RP_X_NUMBER, .key = plan->outputs[output].name, .id = EXP_ID_MEASURE + (int)output};
+    *known = true;
     return RP_OK;
 }
 
@@ -97,16 +104,14 @@ static rp_status find_measure(const exp_place *place, const char *name, rp_x_sym
 static rp_status check_alone(const exp_place *place, const char *name)
 {
     const exp_plan *plan = place->plan;
-    for (size_t k = 0; k < plan->n_measures; k++) {
-        const exp_measure *m = &plan->measures[k];
-        const bool earlier = place->phase == SIZE_MAX ? k < place->measure : m->phase < place->phase;
-        for (size_t o = m->output; earlier && o < m->output + m->n_outputs; o++)
-            if (strcmp(plan->outputs[o].name, name) == 0)
-                return rp_fail(RP_BAD_INPUT,
-                               "%s is an observable and an earlier measure; give the measure another name",
-                               name);
-    }
-    return RP_OK;
+    size_t output;
+    const exp_measure *m = measure_of(plan, name, &output);
+    const size_t k = m ? (size_t)(m - plan->measures) : SIZE_MAX;
+    const bool earlier = m && (place->phase == SIZE_MAX ? k < place->measure : m->phase < place->phase);
+    return earlier
+               ? rp_fail(RP_BAD_INPUT,
+                         "%s is an observable and an earlier measure; give the measure another name", name)
+               : RP_OK;
 }
 
 static rp_status find(void *host, const char *name, int n_args, rp_x_symbol *symbol, bool *known)

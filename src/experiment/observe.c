@@ -204,12 +204,6 @@ static double area_now(exp_run *run, const exp_use *use)
 
 /* ---- of contacts ---- */
 
-static const dem_physics *physics_now(const exp_run *run)
-{
-    const size_t laws = run->at.now.laws;
-    return &(laws == SIZE_MAX ? &run->plan->scene.laws : &run->plan->phases[laws].laws)->physics;
-}
-
 /* Sums over the contacts of a scope, those with their middle in a region, or with a grain of a kind: branch
  * vector times force, compression positive. */
 typedef struct {
@@ -229,7 +223,7 @@ static contact_totals over_contacts(exp_run *run, const exp_use *use)
         if (!exp_is_within(&in, c->id_a, x, y) && !(in.kinds && c->id_b && exp_is_within(&in, c->id_b, x, y)))
             continue;
         exp_contact_force(c, f);
-        const double mu = c->id_b ? physics_now(run)->mu : dem_wall_now(run->sim, (size_t)c->wall).mu;
+        const double mu = c->id_b ? exp_laws(run)->mu : dem_wall_now(run->sim, (size_t)c->wall).mu;
         t.n++, t.sliding += c->normal_force > 0.0 && fabs(c->shear_force) >= 0.999 * mu * c->normal_force;
         t.xx += lx * f[0], t.yy += ly * f[1], t.xy += 0.5 * (lx * f[1] + ly * f[0]);
     }
@@ -313,7 +307,7 @@ static double wall_force(exp_run *run, const exp_use *use, int component)
 /* clang-format off */
 #define OBSERVABLES(X) \
     X(OF_RUN, time, 0, 0, RP_X_NUMBER, "s", "time since the start", dem_time(run->sim)) \
-    X(OF_RUN, t, 0, 0, RP_X_NUMBER, "s", "time since the phase began", dem_time(run->sim) - run->at.begun + (run->ahead ? 0.5 * exp_dt(run) : 0.0)) \
+    X(OF_RUN, t, 0, 0, RP_X_NUMBER, "s", "time since the phase began", dem_time(run->sim) - run->at.begun + (run->ahead ? 0.5 * exp_laws(run)->dt : 0.0)) \
     X(OF_RUN, step, 0, 0, RP_X_NUMBER, "", "steps since the start", (double)run->at.steps) \
     X(OF_RUN, phase_step, 0, 0, RP_X_NUMBER, "", "steps since the phase began", (double)(run->at.phase_step + run->ahead)) \
     X(OF_RUN, pass, 0, 0, RP_X_NUMBER, "", "number of the block's pass, from 1", (double)run->at.pass) \
@@ -386,7 +380,7 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
     exp_view view = {.d = plan->d,
                      .m = plan->m,
                      .sim = run->sim,
-                     .mu = physics_now(run)->mu,
+                     .mu = exp_laws(run)->mu,
                      .n_marks = run->marks ? run->n_ids : 0,
                      .marks = run->marks,
                      .lo = {-INFINITY, -INFINITY},

@@ -245,7 +245,7 @@ static void begin_phase(exp_run *run)
     if (p->add.on && !run->at.done) exp_add_grains(run, p);
     if (run->at.done || run->failed) return;
     const double least = p->ending == EXP_STEPS  ? exp_value(run, &p->end)
-                         : p->ending == EXP_TIME ? exp_value(run, &p->end) / exp_dt(run)
+                         : p->ending == EXP_TIME ? exp_value(run, &p->end) / exp_laws(run)->dt
                                                  : (double)p->most;
     run->at.most = least >= 0.0 && least <= 9e15 ? lround(least) : -1;
     if (run->at.most < 0 && !run->failed)
@@ -609,7 +609,7 @@ rp_status exp_kept_key(const exp_plan *plan, size_t k, unsigned long seed, unsig
                        char digits[33])
 {
     RP_SCOPE(arena);
-    char *begun = exp_key_to(plan, plan->kept[k] + 1);
+    char *begun = exp_key(plan, plan->kept[k] + 1);
     const char *whole =
         begun ? rp_text(&arena, "%sarrays %zu %zu %zu %zu streams %lu %lu\n", begun, plan->n_states,
                         plan->n_outputs, plan->n_measures, plan->n_loads, seed, stream)

@@ -214,11 +214,6 @@ const dem_scene *exp_scene(const exp_plan *plan)
     return &plan->scene;
 }
 
-const rp_lets *exp_lets(const exp_plan *plan)
-{
-    return &plan->text->lets;
-}
-
 const exp_output *exp_outputs(const exp_plan *plan, size_t *n)
 {
     if (n) *n = plan->n_outputs;

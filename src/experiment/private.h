@@ -261,7 +261,7 @@ struct exp_run {
 void exp_conclude(exp_run *run, const char *status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-double exp_dt(const exp_run *run); /* of the laws that hold */
+const dem_physics *exp_laws(const exp_run *run); /* that hold */
 double exp_value(exp_run *run, const exp_expression *e);
 bool exp_true(exp_run *run, const exp_expression *e);
 
@@ -292,7 +292,6 @@ bool exp_make_ids(exp_run *run, size_t id);
  * What can't be ends the run. */
 void exp_go_back(exp_run *run, const exp_phase *p);
 void exp_save(exp_run *run, size_t phase);
-char *exp_key_to(const exp_plan *plan, size_t end); /* exp_key of the phases before this one */
 void exp_change_laws(exp_run *run, const exp_phase *p);
 void exp_remove(exp_run *run, const exp_phase *p);
 void exp_add_grains(exp_run *run, const exp_phase *p);

@@ -269,9 +269,9 @@ static rp_status read_choice(x_reader *r, x_part *part);
 static rp_status take_known(x_reader *r, const x_part *part, const char *what, double *number)
 {
     RP_TRY(want(r, part, RP_X_NUMBER));
+    *number = r->steps[r->n - 1].number;
     if (!is_known(r, part->start)) return fail_at(r, part->begins, "%s must be known before the run", what);
-    *number = r->steps[--r->n].number;
-    return RP_OK;
+    return r->n--, RP_OK;
 }
 
 static rp_status fail_unknown(const x_reader *r, const char *at, const char *name, bool call)
@@ -332,14 +332,13 @@ static rp_status read_known(x_reader *r, x_part *part)
     return expect(r, ")");
 }
 
-/* Argument number n of held: a condition, then how many looks. */
-static rp_status take_held(x_reader *r, x_part *part, const x_part *arg, int n)
+/* How many looks, after the condition of held. */
+static rp_status take_held(x_reader *r, x_part *part, const x_part *arg)
 {
     double looks;
-    if (n == 0) return want(r, arg, RP_X_TRUTH);
-    if (n > 1) return RP_OK; /* too many */
     RP_TRY(take_known(r, arg, "the second number of held", &looks));
     if (!(looks >= 1.0)) return fail_at(r, arg->begins, "held: at least one look expected");
+    part->type = RP_X_TRUTH;
     return add(r, part, (rp_x_step){.kind = X_HELD, .n = r->n_states++, .number = ceil(looks)});
 }
 
@@ -352,21 +351,20 @@ static rp_status read_call(x_reader *r, x_part *part, const char *name)
     if (own && kinds[f].measure && !r->names->measure)
         return fail_at(r, part->begins, "%s: only in measure", name);
     if (f == X_KNOWN) return read_known(r, part);
+    x_part arg;
     int n = 0;
-    for (x_part arg; !is_sign(r, ")"); n++) {
+    for (; !is_sign(r, ")"); n++) {
         if (n > 0) RP_TRY(expect(r, ","));
         RP_TRY(read_choice(r, &arg));
-        if (f == X_HELD)
-            RP_TRY(take_held(r, part, &arg, n));
-        else if (!own || n == 0 || kinds[f].most > 1)
-            RP_TRY(want(r, &arg, RP_X_NUMBER));
+        RP_TRY(want(r, &arg, f == X_HELD && n == 0 ? RP_X_TRUTH : RP_X_NUMBER));
         if (n > 0 && (f == X_MIN || f == X_MAX)) RP_TRY(add(r, part, (rp_x_step){.kind = f}));
     }
     RP_TRY(expect(r, ")"));
     if (!own) return take_call(r, part, name, n);
     if (n < kinds[f].least || n > kinds[f].most)
         return fail_at(r, part->begins, "%s: another number of arguments expected", name);
-    part->type = f == X_HELD ? RP_X_TRUTH : RP_X_NUMBER;
+    if (f == X_HELD) return take_held(r, part, &arg);
+    part->type = RP_X_NUMBER;
     if (kinds[f].most > 1) return RP_OK;
     if (f == X_CHANGE) r->n_states += 2;
     return add(r, part, (rp_x_step){.kind = f, .n = r->n_states - 2});

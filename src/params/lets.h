@@ -27,8 +27,9 @@ typedef struct {
     /* Find one when a text asks for it; NULL: none is known. Errors: those of the keys that it is read from.
      */
     rp_status (*know)(void *host, rp_let_constant which, double *value);
-    rp_status (*call)(void *host, const char *name, int n, const double args[], double *value, bool *known);
     void *host;
+    /* As that of rp_x_names; its host is the rp_lets. */
+    rp_status (*call)(void *host, const char *name, int n, const double args[], double *value, bool *known);
     bool asked[RP_LET_CONSTANTS];
     rp_x_names names;
 } rp_lets;

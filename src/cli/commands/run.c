@@ -336,7 +336,7 @@ static void write_measures(const scene_run *r, FILE *out)
     uint64_t digest;
     if (r->sim && !dem_digest(r->sim, &digest))
         rp_table_note(out, "digest", "%016" PRIx64 " of the grains' places, velocities and forces", digest);
-    const rp_lets *lets = exp_lets(r->phases);
+    const rp_lets *lets = &r->text.lets;
     for (size_t k = 0; k < lets->n; k++) {
         char key[80];
         const rp_x_symbol *is = &lets->lets[k].is;
@@ -521,7 +521,7 @@ static rp_status hash_scene(const scene_run *r, XXH128_hash_t *hash)
     any.steps = 0;
     FILE *out = open_memstream(&text, &size);
     if (!out) return rp_fail(RP_NO_MEMORY, "scene: out of memory");
-    char *key = r->phases ? exp_key(r->phases) : NULL;
+    char *key = r->phases ? exp_key(r->phases, SIZE_MAX) : NULL;
     if (key) fputs(key, out);
     free(key);
     dem_scene_write(&any, out);

@@ -57,7 +57,7 @@ rp_status dem_first_fill(const config_setting_t *root, const config_setting_t **
 const config_setting_t *dem_first_add(const config_setting_t *phases);
 rp_status dem_peek_radii(rp_arena *arena, const config_setting_t *group, dem_fill *fill);
 
-/* What d, m, g and dt are in a file's expressions, and dt_limit; the host is the dem_text. */
+/* What d, m, g and dt are in a file's expressions, and dt_limit; for lets whose host is the dem_text. */
 rp_status dem_know(void *host, rp_let_constant which, double *value);
 rp_status dem_call(void *host, const char *name, int n, const double args[], double *value, bool *known);
 

@@ -89,7 +89,8 @@ rp_status dem_know(void *host, rp_let_constant which, double *value)
  * smallest of its first fill; the fall from any height aside. */
 rp_status dem_call(void *host, const char *name, int n, const double args[], double *value, bool *known)
 {
-    const config_setting_t *root = config_root_setting(&((dem_text *)host)->config);
+    const dem_text *text = ((rp_lets *)host)->host;
+    const config_setting_t *root = config_root_setting(&text->config);
     PART_OF_SCENE(scene);
     dem_definition *def = &scene.def;
     double mean, r;
