@@ -13,18 +13,17 @@ static double at[5]; /* what the observables are now */
 
 static rp_status find(void *host, const char *name, int n_args, rp_x_symbol *symbol, bool *known)
 {
-    static const rp_x_symbol symbols[] = {{RP_X_NUMBER, true, 4.0, NULL, NULL, 0, 0},
-                                          {RP_X_NUMBER, true, 0.2, NULL, NULL, 0, 0},
-                                          {RP_X_WORD, true, 0.0, "ends", NULL, 0, 0},
-                                          {RP_X_NUMBER, false, 0.0, NULL, "grains", GRAINS, 0},
-                                          {RP_X_TRUTH, false, 0.0, NULL, "rest", REST, 0},
-                                          {RP_X_NUMBER, false, 0.0, NULL, "moved", MOVED, 2},
-                                          {RP_X_NUMBER, false, 0.0, NULL, "theta", THETA, 0},
-                                          {RP_X_NUMBER, false, 0.0, NULL, "pile.speed", SPEED, 0}};
+    static const rp_x_symbol symbols[] = {{RP_X_NUMBER, true, 4.0, NULL, NULL, 0},
+                                          {RP_X_NUMBER, true, 0.2, NULL, NULL, 0},
+                                          {RP_X_WORD, true, 0.0, "ends", NULL, 0},
+                                          {RP_X_NUMBER, false, 0.0, NULL, "grains", GRAINS},
+                                          {RP_X_TRUTH, false, 0.0, NULL, "rest", REST},
+                                          {RP_X_NUMBER, false, 0.0, NULL, "moved", MOVED},
+                                          {RP_X_NUMBER, false, 0.0, NULL, "theta", THETA},
+                                          {RP_X_NUMBER, false, 0.0, NULL, "pile.speed", SPEED}};
     static const char *const names[] = {"W", "mu", "floor", "grains", "rest", "moved", "theta", "pile.speed"};
     for (size_t k = 0; k < sizeof names / sizeof *names; k++)
-        if (strcmp(names[k], name) == 0 &&
-            (n_args < 0 ? symbols[k].n_args == 0 : symbols[k].n_args == n_args))
+        if (strcmp(names[k], name) == 0 && n_args == (symbols[k].id == MOVED ? 2 : -1))
             *symbol = symbols[k], *known = true;
     if (strcmp(name, "late") == 0) return rp_fail(RP_BAD_INPUT, "late is measured at open, after this phase");
     return (void)host, RP_OK;

@@ -50,15 +50,10 @@ static void renew(exp_run *run, const exp_phase *p, rp_status status, const char
 
 void exp_change_laws(exp_run *run, const exp_phase *p)
 {
-    const exp_plan *plan = run->plan;
-    const dem_scene *scene = &plan->scene;
-    dem_definition def;
-    RP_SCOPE(memory);
-    dem_wall *walls = rp_arena_memory(&memory, scene->def.n_walls, sizeof *walls);
-    rp_status status = walls ? dem_laws_apply(&p->laws, p->given, scene, &def, walls) : RP_NO_MEMORY;
-    if (!status) status = dem_change(&run->sim, &def);
-    run->at.now.laws = (size_t)(p - plan->phases);
-    renew(run, p, status, "too_fast");
+    dem_definition def = p->def;
+    def.ledger = run->plan->scene.def.ledger;
+    run->at.now.laws = (size_t)(p - run->plan->phases);
+    renew(run, p, dem_change(&run->sim, &def), "too_fast");
 }
 
 void exp_remove(exp_run *run, const exp_phase *p)

@@ -188,7 +188,7 @@ static rp_status check_phases(const exp_plan *plan, dem_definition *def)
         if (phase->has_laws) {
             dem_physics_apply(&phase->laws.physics, def);
             for (size_t w = 0; w < def->n_walls; w++)
-                walls[w].material = dem_wall_material(&phase->given[w], &def->material);
+                walls[w].material = dem_walls_of(&phase->def)[w].material;
             const double limit = dem_time_step_limit(def, &what);
             if (def->dt > limit)
                 return dem_refuse_step(def, limit, what),

@@ -110,6 +110,7 @@ typedef struct {
     bool has_laws, is_source; /* is_source: a later phase goes back to its end */
     dem_scene_laws laws;      /* that hold in it */
     dem_material *given;      /* and the coefficients of the walls, as given */
+    dem_definition def;       /* that follows from both; zero without laws of its own */
     size_t source;            /* phase of `from`, or SIZE_MAX */
     exp_scope removes;
     size_t n_fails;

@@ -166,14 +166,13 @@ static const char by_hand[] = LAW_KEYS " if steps time until fail walls gravity 
 /* The laws of a phase follow from those of the one before it in the text, or that it goes back to. */
 static rp_status read_laws(exp_plan *plan, exp_phase *p)
 {
-    dem_definition def;
     dem_wall *walls;
     p->has_laws |= exp_has_key(p->setting, LAW_KEYS) != NULL;
     if (!p->has_laws) return RP_OK;
     RP_NEW(&plan->arena, walls, plan->scene.def.n_walls);
     RP_TRY(dem_text_laws(p->setting, &plan->scene, &p->laws));
-    rp_status status = dem_laws_apply(&p->laws, p->given, &plan->scene, &def, walls);
-    if (!status) status = dem_physics_check(&def);
+    rp_status status = dem_laws_apply(&p->laws, p->given, &plan->scene, &p->def, walls);
+    if (!status) status = dem_physics_check(&p->def);
     return status ? rp_config_fail(p->setting, "phase %s: %s", p->name, rp_message()) : RP_OK;
 }
 

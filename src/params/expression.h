@@ -16,15 +16,15 @@ extern const char *const rp_x_types[]; /* "a number", ... */
 /* Constants and functions, for people. */
 extern const char rp_expression_functions[];
 
-/* What a name stands for: a value that is known when the text is read, or one that `id` and n_args numbers
- * ask for. */
+/* What a name stands for: a value that is known when the text is read, or one that `id` asks
+ * for. */
 typedef struct {
     rp_x_type type;
     bool known;
     double value;     /* of a known one; a truth is 0 or 1 */
     const char *word; /* of a known word */
     const char *key;  /* of another: its name in keys, borrowed */
-    int id, n_args;
+    int id;
 } rp_x_symbol;
 
 /* The names of one place in a text. */
