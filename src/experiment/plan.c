@@ -154,16 +154,12 @@ static rp_status check_required(const exp_plan *plan)
 static rp_status read(exp_plan *plan)
 {
     dem_text *text = plan->text;
-    const double *constants = text->lets.constants;
     const config_setting_t *rest = config_lookup(&text->config, "rest");
-    static const char *const asked[] = {"g", "d", "m"};
     RP_TRY(dem_text_scene(text, &plan->scene));
-    for (size_t k = 0; k < sizeof asked / sizeof *asked; k++) {
-        rp_x_symbol is = {0};
-        bool known = false;
-        RP_TRY(rp_prefix(rp_lets_find(&text->lets, asked[k], -1, &is, &known), "%s: ", text->path));
-    }
-    plan->d = constants[RP_LET_D], plan->m = constants[RP_LET_M], plan->g = constants[RP_LET_G];
+    rp_status status = rp_lets_constant(&text->lets, RP_LET_G, &plan->g);
+    if (!status) status = rp_lets_constant(&text->lets, RP_LET_D, &plan->d);
+    if (!status) status = rp_lets_constant(&text->lets, RP_LET_M, &plan->m);
+    RP_TRY(rp_prefix(status, "%s: ", text->path));
     if (config_lookup(&text->config, "phases") && config_lookup(&text->config, "steps"))
         return rp_config_fail(config_lookup(&text->config, "steps"),
                               "steps: a text with phases ends with their last");

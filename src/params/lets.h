@@ -40,6 +40,11 @@ typedef struct {
 rp_status rp_lets_read(config_setting_t *root, rp_lets *lets);
 void rp_lets_end(rp_lets *lets);
 
+/* A constant, which is found where it is first asked for. Errors: RP_BAD_INPUT (not known here; those of
+ * `know`).
+ */
+rp_status rp_lets_constant(rp_lets *lets, rp_let_constant which, double *value);
+
 /* The names of lets and constants, as those of rp_x_names; the host is the rp_lets. */
 rp_status rp_lets_find(void *lets, const char *name, int n_args, rp_x_symbol *symbol, bool *known);
 void rp_lets_list(void *lets, rp_guess *guess);
