@@ -1,4 +1,5 @@
 /* A run: from look to look, and from phase to phase. */
+#include <gsl/gsl_minmax.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
@@ -358,11 +359,6 @@ static void look(exp_run *run, bool is_end)
     end_phase(run);
 }
 
-static long least_of(long a, long b)
-{
-    return a < b ? a : b;
-}
-
 rp_status exp_advance(exp_run *run, long most)
 {
     if (!run->at.done && !run->at.started) begin_phase(run);
@@ -372,10 +368,9 @@ rp_status exp_advance(exp_run *run, long most)
     if (p->ending == EXP_UNTIL || p->n_fails > 0 || p->damp)
         next = exp_next_look(run->at.phase_step - p->least, p->every);
     if (p->is_sampled) exp_measures_in(run, &next);
-    const long left = run->at.most - run->at.phase_step, part = least_of(most, least_of(next, left));
+    const long left = run->at.most - run->at.phase_step, part = GSL_MIN(most, GSL_MIN(next, left));
     if (part > 0) {
-        const rp_status status =
-            go(run, part, p->each_step || (run->plan->n_loads > 0 && exp_is_loaded(run)));
+        const rp_status status = go(run, part, p->each_step || exp_is_loaded(run));
         run->fresh = false;
         if (status == RP_BROKEN) {
             exp_conclude(run, dem_fault_text(dem_sim_fault(run->sim)), "%s", rp_message());
