@@ -32,6 +32,8 @@ static inline double dem_lower_end(double end)
 {
     return isinf(end) ? -end : end;
 }
+
+/* Put the ends of laws into a definition. */
 void dem_ends_apply(const dem_scene_laws *laws, dem_definition *def);
 
 /* Is a group there, or left out by its condition? */

@@ -37,13 +37,12 @@ typedef struct {
     dem_grain *grains;
     size_t *lines; /* of the grains in their list */
     dem_scene_laws laws;
-    dem_material *given; /* of the walls, as given */
-    const char **names;  /* of the walls, "" of one without; NULL: none has one */
-    /* as given; of the density, whether it is */
-    double turn_deg, box_turn_deg;
-    bool has_density;
+    dem_material *given;           /* of the walls, as given */
+    const char **names;            /* of the walls, "" of one without; NULL: none has one */
+    double turn_deg, box_turn_deg; /* a step, of gravity and of the box */
+    bool has_density;              /* given, no default */
     int units;
-    const char *particles_file, *contacts_file; /* "": none */
+    const char *particles_file, *contacts_file; /* "": none; the text's own */
     long particles_step;                        /* -1: the last */
     char unused[256];                           /* columns of particles_file, if there are any */
     rp_arena arena;                             /* of all arrays and texts of the scene and its definition */
