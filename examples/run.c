@@ -10,10 +10,10 @@
 /* Lee & Herrmann's grains, in units of cm, g and s. */
 static dem_scene scene_of_box(double width)
 {
-    dem_scene scene = {.def = dem_definition_default(), .has_fill = true, .steps = 20000};
-    scene.fill = (dem_fill){.N = 30, .W = width, .H = 3, .density = 1, .seed = 1};
-    scene.fill.radius_mean = 0.1, scene.fill.radius_width = 0.02;
-    scene.fill.radius_min = 0.07, scene.fill.radius_max = 0.13;
+    static dem_fill fill = {.N = 30, .H = 3, .density = 1, .radius_mean = 0.1};
+    dem_scene scene = {
+        .def = dem_definition_default(), .n_fills = 1, .fills = &fill, .seed = 1, .steps = 20000};
+    fill.W = width, fill.radius_width = 0.02, fill.radius_min = 0.07, fill.radius_max = 0.13;
     const dem_material wall = dem_wall_material(&dem_material_auto, &scene.def.material);
     dem_box_walls(&scene.def, width, &wall);
     return scene;

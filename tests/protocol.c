@@ -58,7 +58,16 @@ void protocol_trace(const sweep_protocol *protocol, const void *params, long eve
 
 void protocol_box(double W, double H, long run, const double steps[2], dem_sim **sim)
 {
-    dem_scene scene = {.def = dem_definition_default(), .has_fill = true};
+    dem_fill fill = {.N = lround(W * H / 0.04),
+                     .W = W,
+                     .H = 2.0 * H,
+                     .radius_mean = 0.1,
+                     .radius_width = 0.02,
+                     .radius_min = 0.07,
+                     .radius_max = 0.13,
+                     .density = 1.0};
+    dem_scene scene = {
+        .def = dem_definition_default(), .n_fills = 1, .fills = &fill, .seed = 1993, .run = run};
     dem_physics physics = dem_physics_default();
     physics.tangential = DEM_SPRING;
     physics.mu = 0.2;
@@ -66,16 +75,6 @@ void protocol_box(double W, double H, long run, const double steps[2], dem_sim *
     const dem_material wall = dem_wall_material(&dem_material_auto, &scene.def.material);
     dem_box_walls(&scene.def, W, &wall);
     scene.def.x_max = 3.0 * W;
-    scene.fill = (dem_fill){.N = lround(W * H / 0.04),
-                            .W = W,
-                            .H = 2.0 * H,
-                            .radius_mean = 0.1,
-                            .radius_width = 0.02,
-                            .radius_min = 0.07,
-                            .radius_max = 0.13,
-                            .density = 1.0,
-                            .seed = 1993,
-                            .run = run};
     CHECK_OK(dem_scene_start(&scene, sim));
     CHECK_OK(dem_run(*sim, lround(steps[0])));
     dem_wall_open(*sim, DEM_BOX_RIGHT, INFINITY);

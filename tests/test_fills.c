@@ -134,7 +134,7 @@ static void check_reread(const dem_scene *s, size_t n, const dem_grain *grains)
     scoped dem_grain *again = NULL;
     size_t m;
     grains_reread(s, &back);
-    CHECK_OK(dem_scene_grains(&back, &again, &m, NULL));
+    CHECK_OK(dem_scene_grains(&back, &again, &m));
     CU_ASSERT_FATAL(m == n);
     for (size_t i = 0; i < n; i++)
         CU_ASSERT(memcmp(&grains[i], &again[i], offsetof(dem_grain, fixed)) == 0 &&
@@ -155,7 +155,7 @@ static void test_cut(void)
         scoped dem_grain *grains = NULL;
         size_t n, low = 0;
         CHECK_OK(grains_read_as(&s, "fill = %s;\n", fills[k]));
-        CHECK_OK(dem_scene_grains(&s, &grains, &n, NULL));
+        CHECK_OK(dem_scene_grains(&s, &grains, &n));
         CU_ASSERT_FATAL(n == counts[k]);
         for (size_t i = 0; i < n; i++) {
             const dem_grain *g = &grains[i];
@@ -177,7 +177,7 @@ static void test_cut(void)
     CHECK_OK(grains_read("fill = { pattern = \"lattice\"; W = 1.0; H = 1.0; polygon = ( (5.0, 5.0), (6.0, "
                          "5.0), (5.0, 6.0) ); };\n",
                          NULL, &far));
-    CHECK_FAILS(dem_scene_grains(&far, &none, &n, NULL), RP_NO_RESULT, "no place for a grain");
+    CHECK_FAILS(dem_scene_grains(&far, &none, &n), RP_NO_RESULT, "no place for a grain");
     for (int k = 0; k < 3; k++) {
         scoped_scene s;
         CHECK_FAILS(grains_read_as(&s, "fill = { %s };\n", refused[k][0]), RP_BAD_INPUT, refused[k][1]);
@@ -218,8 +218,9 @@ static void test_several(void)
     scoped dem_grain *grains = NULL;
     size_t n, ends[3];
     CHECK_OK(grains_read(several, NULL, &s));
-    CU_ASSERT(s.has_fill && s.n_more == 2 && strcmp(s.more[1].kind, "large") == 0);
-    CHECK_OK(dem_scene_grains(&s, &grains, &n, ends));
+    CU_ASSERT(s.n_fills == 3 && strcmp(s.fills[2].kind, "large") == 0);
+    s.ends = ends;
+    CHECK_OK(dem_scene_grains(&s, &grains, &n));
     CU_ASSERT(n == ends[2] && ends[2] - ends[1] == 12 && ends[1] - ends[0] == 150 && ends[0] > 15);
     double nearest = INFINITY;
     for (size_t i = 0; i < n; i++) {
@@ -275,7 +276,7 @@ static void test_sparse(void)
         size_t n = 0;
         CHECK_OK(
             grains_read_as(&s, "fill = { pattern = \"lattice\"; radius_width = 0.0; %s };", cases[k].text));
-        const rp_status status = dem_scene_grains(&s, &grains, &n, NULL);
+        const rp_status status = dem_scene_grains(&s, &grains, &n);
         CU_ASSERT(status == (cases[k].n ? RP_OK : RP_NO_RESULT) && n == cases[k].n);
         if (n == cases[k].n && n > 0) CHECK_NEAR(grains[n - 1].y, cases[k].y, 1e-12);
     }

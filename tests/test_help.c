@@ -652,14 +652,14 @@ static void scene_is_listed(bool si)
 
 static void experiments_are_listed(bool si)
 {
-    for (const exp_group *g = exp_groups; g->name; g++) {
+    for (const dem_scene_group *g = exp_groups; g->name; g++) {
         HEADING("# experiment, %s: %s", g->name, g->manual);
         schema_is_listed("experiment", g->name, g->schema, si);
     }
-    exp_group m;
-    for (size_t k = 0; (m = exp_module_at(k)).name; k++) {
+    for (const exp_module *const *at = exp_modules; *at; at++) {
+        const exp_module m = **at;
         HEADING("# experiment, measure of = \"%s\": %s; a column is the measure's name with one of", m.name,
-                m.manual);
+                m.about);
         for (const exp_output *o = m.outputs; o->name; o++) {
             const exp_output *first = o; /* a family of the bins stands in one line */
             const size_t stem = strcspn(o->name, "0123456789");

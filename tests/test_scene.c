@@ -331,7 +331,7 @@ static void fill_among_walls(void)
         bool cut = false;
         CHECK_OK(
             grains_read_as(&s, "dt = 2e-5; walls = ( %s ); fill = { %s; };", cases[k].walls, cases[k].fill));
-        s.fill.cut = &cut;
+        s.cut = &cut;
         CHECK_OK(dem_scene_start(&s, &sim));
         CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
         CHECK_OK(dem_states(sim, p));

@@ -52,6 +52,16 @@ gsl_rng *rp_random_alloc(unsigned long seed, unsigned long run, rp_purpose purpo
     return r;
 }
 
+static void end(void *stream)
+{
+    gsl_rng_free(stream);
+}
+
+gsl_rng *rp_random_in(rp_arena *memory, unsigned long seed, unsigned long run, rp_purpose purpose)
+{
+    return rp_arena_keep(memory, rp_random_alloc(seed, run, purpose), end);
+}
+
 bool rp_random_is_whole(const gsl_rng *r)
 {
     return ((const philox_state *)gsl_rng_state(r))->used <= 4;

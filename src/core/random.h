@@ -9,7 +9,7 @@
 
 #include <gsl/gsl_rng.h>
 
-#include "core/status.h"
+#include "core/arena.h"
 
 RP_C_BEGIN
 
@@ -26,8 +26,10 @@ typedef enum {
 /* The generator type. gsl_rng_set(r, seed) gives stream (seed, 0, 0). */
 extern const gsl_rng_type *rp_rng_philox;
 
-/* New stream (seed, run, purpose), each below 2^32; free with gsl_rng_free. NULL when out of memory. */
+/* New stream (seed, run, purpose), each below 2^32; free with gsl_rng_free, or one that ends with an arena.
+ * NULL when out of memory. */
 gsl_rng *rp_random_alloc(unsigned long seed, unsigned long run, rp_purpose purpose);
+gsl_rng *rp_random_in(rp_arena *memory, unsigned long seed, unsigned long run, rp_purpose purpose);
 
 /* Is a state that was read one that a stream can have? */
 bool rp_random_is_whole(const gsl_rng *r);

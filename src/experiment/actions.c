@@ -50,15 +50,10 @@ static void renew(exp_run *run, const exp_phase *p, rp_status status, const char
 
 void exp_change_laws(exp_run *run, const exp_phase *p)
 {
-    const exp_plan *plan = run->plan;
-    const dem_scene *scene = &plan->scene;
-    dem_definition def;
-    RP_SCOPE(memory);
-    dem_wall *walls = rp_arena_memory(&memory, scene->def.n_walls, sizeof *walls);
-    rp_status status = walls ? dem_laws_apply(&p->laws, p->given, scene, &def, walls) : RP_NO_MEMORY;
-    if (!status) status = dem_change(&run->sim, &def);
-    run->at.now.laws = (size_t)(p - plan->phases);
-    renew(run, p, status, "too_fast");
+    dem_definition def = p->def;
+    def.ledger = run->plan->scene.def.ledger;
+    run->at.now.laws = (size_t)(p - run->plan->phases);
+    renew(run, p, dem_change(&run->sim, &def), "too_fast");
 }
 
 void exp_remove(exp_run *run, const exp_phase *p)
@@ -131,7 +126,7 @@ static double between(exp_run *run, const double ends[2])
 
 double exp_density(const exp_plan *plan, const exp_add *a, double given)
 {
-    const dem_fill *first = dem_scene_fill_at((dem_scene *)&plan->scene, 0);
+    const dem_fill *first = plan->scene.fills;
     return exp_given(&a->density) ? given : first ? first->density : plan->scene.laws.physics.density;
 }
 
@@ -247,7 +242,7 @@ void exp_push_walls(exp_run *run)
 {
     const exp_plan *plan = run->plan;
     const double mass = fmax(0.1 * (run->at.mass0 + run->at.now.added_mass), 10.0 * plan->m),
-                 dt = exp_dt(run);
+                 dt = exp_laws(run)->dt;
     for (size_t w = 0; w < plan->n_walls && !run->at.done; w++) {
         const exp_wall *wall = &plan->walls[w];
         const dem_wall_state now = dem_wall_now(run->sim, wall->walls[0]);

@@ -21,14 +21,7 @@ typedef struct {
 
 /* The language, for people: keys of phases and measures, what expressions may ask for. Ended by a NULL name.
  */
-typedef struct {
-    const char *name;
-    const rp_param *schema;
-    const char *manual;
-    const exp_output *outputs; /* of a module: endings of columns */
-} exp_group;
-extern const exp_group exp_groups[];
-exp_group exp_module_at(size_t k); /* modules of measures; a NULL name past the end */
+extern const dem_scene_group exp_groups[];
 typedef struct {
     const char *name, *of, *unit, *meaning;
 } exp_word;
@@ -48,12 +41,12 @@ rp_status exp_check(const exp_plan *plan);
 void exp_keep_ledger(exp_plan *plan); /* by its runs */
 
 const dem_scene *exp_scene(const exp_plan *plan);
-const rp_lets *exp_lets(const exp_plan *plan);                  /* with the values that hold */
 const exp_output *exp_outputs(const exp_plan *plan, size_t *n); /* ended by a NULL name */
 
 /* All that the numbers of a run depend on but its streams, as a text: scene, phases and measures with what is
- * known folded, without names that are the text's own affair. NULL without memory; free it. */
-char *exp_key(const exp_plan *plan);
+ * known folded, without names that are the text's own affair; of the phases before `end` alone, SIZE_MAX: of
+ * all. NULL without memory; free it. */
+char *exp_key(const exp_plan *plan, size_t end);
 
 /* Start a run with the random streams (seed, stream, purpose). A scene that can't be filled is a run that has
  * ended. Afterwards exp_run_free, also after an error. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */

@@ -67,12 +67,7 @@ static void put_phase(FILE *out, rp_arena *arena, const exp_plan *plan, const ex
     fputc('\n', out);
 }
 
-char *exp_key(const exp_plan *plan)
-{
-    return exp_key_to(plan, plan->n_phases);
-}
-
-char *exp_key_to(const exp_plan *plan, size_t end)
+char *exp_key(const exp_plan *plan, size_t end)
 {
     char *text = NULL;
     size_t size = 0;
@@ -81,8 +76,8 @@ char *exp_key_to(const exp_plan *plan, size_t end)
     scene.def.kernel = DEM_FAST;
     scene.def.ledger = false;
     scene.steps = 0;
-    dem_fill *fill;
-    for (size_t k = 0; (fill = dem_scene_fill_at(&scene, k)); k++) fill->seed = fill->run = 0;
+    scene.seed = scene.run = 0;
+    for (size_t k = 0; k < scene.n_fills; k++) scene.fills[k].seed = scene.fills[k].run = 0;
     FILE *out = open_memstream(&text, &size);
     if (!out) return NULL;
     dem_scene_write(&scene, out);
@@ -97,7 +92,7 @@ char *exp_key_to(const exp_plan *plan, size_t end)
         for (size_t c = 0; c < 2 * r->n_points; c++) put(out, &arena, "p", &r->points[c]);
         fputc('\n', out);
     }
-    for (size_t k = 0; k < end; k++) put_phase(out, &arena, plan, &plan->phases[k]);
+    for (size_t k = 0; k < end && k < plan->n_phases; k++) put_phase(out, &arena, plan, &plan->phases[k]);
     for (size_t k = 0; k < plan->n_measures; k++) {
         const exp_measure *m = &plan->measures[k];
         if (m->left_out || m->phase >= end) continue;
@@ -193,7 +188,7 @@ static rp_status check_phases(const exp_plan *plan, dem_definition *def)
         if (phase->has_laws) {
             dem_physics_apply(&phase->laws.physics, def);
             for (size_t w = 0; w < def->n_walls; w++)
-                walls[w].material = dem_wall_material(&phase->given[w], &def->material);
+                walls[w].material = dem_walls_of(&phase->def)[w].material;
             const double limit = dem_time_step_limit(def, &what);
             if (def->dt > limit)
                 return dem_refuse_step(def, limit, what),
@@ -222,14 +217,13 @@ static rp_status check_phases(const exp_plan *plan, dem_definition *def)
  * those that come, the lightest of each phase as far as that is known. */
 static rp_status stand_ins(const exp_plan *plan, rp_arena *arena, dem_definition *def)
 {
-    dem_scene *s = (dem_scene *)&plan->scene;
+    const dem_scene *s = &plan->scene;
     const size_t listed = s->grains ? s->def.n_grains : 0;
-    const dem_fill *f;
     dem_grain *grains;
-    RP_NEW(arena, grains, listed + 2 * (s->n_more + 1) + plan->n_phases);
+    RP_NEW(arena, grains, listed + 2 * s->n_fills + plan->n_phases);
     if (listed) memcpy(grains, s->grains, listed * sizeof *grains);
     def->grains = grains, def->n_grains = listed;
-    for (size_t k = 0; (f = dem_scene_fill_at(s, k)); k++) {
+    for (const dem_fill *f = s->fills; f < s->fills + s->n_fills; f++) {
         const double r = dem_radius_least(f), m = dem_mass(f->shape, f->density, r);
         for (int end = 0; end < 2; end++)
             grains[def->n_grains++] = (dem_grain){.x = f->x0,

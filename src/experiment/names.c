@@ -71,25 +71,32 @@ static bool is_later(const exp_plan *plan, const exp_measure *m, size_t k)
     return !m->left_out && m->phase > here && !within;
 }
 
+/* The measure with an output of this name; NULL: there is none. */
+static const exp_measure *measure_of(const exp_plan *plan, const char *name, size_t *output)
+{
+    for (const exp_measure *m = plan->measures; m < plan->measures + plan->n_measures; m++)
+        for (*output = m->output; *output < m->output + m->n_outputs; ++*output)
+            if (strcmp(plan->outputs[*output].name, name) == 0) return m;
+    return NULL;
+}
+
 static rp_status find_measure(const exp_place *place, const char *name, rp_x_symbol *symbol, bool *known)
 {
     const exp_plan *plan = place->plan;
-    for (size_t k = 0; k < plan->n_measures && !*known; k++) {
-        const exp_measure *m = &plan->measures[k];
-        for (size_t o = m->output; o < m->output + m->n_outputs; o++) {
-            if (strcmp(plan->outputs[o].name, name) != 0) continue;
-            const bool during = (m->take == TAKE_FIRST || m->take == TAKE_MAX || m->take == TAKE_MIN) &&
-                                m->phase == place->phase && m->skip == 0.0 && !*m->level_of;
-            if (place->phase != SIZE_MAX && m->phase >= place->phase && !during)
-                return rp_fail(RP_BAD_INPUT, "%s is measured at %s, after this phase", name,
-                               plan->phases[m->phase].name);
-            if (place->phase == SIZE_MAX && (k >= place->measure || is_later(plan, m, place->measure)))
-                return rp_fail(RP_BAD_INPUT, "%s is measured after this", name);
-            *symbol = (rp_x_symbol){
-                .type = RP_X_NUMBER, .key = plan->outputs[o].name, .id = EXP_ID_MEASURE + (int)o};
-            *known = true;
-        }
-    }
+    size_t output;
+    const exp_measure *m = measure_of(plan, name, &output);
+    if (!m) return RP_OK;
+    const bool during = (m->take == TAKE_FIRST || m->take == TAKE_MAX || m->take == TAKE_MIN) &&
+                        m->phase == place->phase && m->skip == 0.0 && !*m->level_of;
+    if (place->phase != SIZE_MAX && m->phase >= place->phase && !during)
+        return rp_fail(RP_BAD_INPUT, "%s is measured at %s, after this phase", name,
+                       plan->phases[m->phase].name);
+    if (place->phase == SIZE_MAX &&
+        ((size_t)(m - plan->measures) >= place->measure || is_later(plan, m, place->measure)))
+        return rp_fail(RP_BAD_INPUT, "%s is measured after this", name);
+    *symbol = (rp_x_symbol){
+        .type = RP_X_NUMBER, .key = plan->outputs[output].name, .id = EXP_ID_MEASURE + (int)output};
+    *known = true;
     return RP_OK;
 }
 
@@ -97,16 +104,14 @@ static rp_status find_measure(const exp_place *place, const char *name, rp_x_sym
 static rp_status check_alone(const exp_place *place, const char *name)
 {
     const exp_plan *plan = place->plan;
-    for (size_t k = 0; k < plan->n_measures; k++) {
-        const exp_measure *m = &plan->measures[k];
-        const bool earlier = place->phase == SIZE_MAX ? k < place->measure : m->phase < place->phase;
-        for (size_t o = m->output; earlier && o < m->output + m->n_outputs; o++)
-            if (strcmp(plan->outputs[o].name, name) == 0)
-                return rp_fail(RP_BAD_INPUT,
-                               "%s is an observable and an earlier measure; give the measure another name",
-                               name);
-    }
-    return RP_OK;
+    size_t output;
+    const exp_measure *m = measure_of(plan, name, &output);
+    const size_t k = m ? (size_t)(m - plan->measures) : SIZE_MAX;
+    const bool earlier = m && (place->phase == SIZE_MAX ? k < place->measure : m->phase < place->phase);
+    return earlier
+               ? rp_fail(RP_BAD_INPUT,
+                         "%s is an observable and an earlier measure; give the measure another name", name)
+               : RP_OK;
 }
 
 static rp_status find(void *host, const char *name, int n_args, rp_x_symbol *symbol, bool *known)
@@ -151,14 +156,13 @@ void exp_place_in(exp_place *place, exp_plan *plan)
 rp_status exp_expression_read(const config_setting_t *setting, const char *key, rp_x_type type,
                               exp_place *place, exp_expression *e)
 {
-    static const char *const expected[] = {"a number", "a condition", "a word"};
     exp_plan *plan = place->plan;
     rp_value v;
     if (rp_config_scalar(setting, &v))
-        return rp_config_fail(setting, "%s: %s expected, or an expression of it", key, expected[type]);
+        return rp_config_fail(setting, "%s: %s expected, or an expression of it", key, rp_x_types[type]);
     if (v.kind != RP_V_TEXT) {
         const rp_x_type is = v.kind == RP_V_BOOL ? RP_X_TRUTH : RP_X_NUMBER;
-        if (is != type) return rp_config_fail(setting, "%s: %s expected", key, expected[type]);
+        if (is != type) return rp_config_fail(setting, "%s: %s expected", key, rp_x_types[type]);
         e->x = (rp_expression){.type = type, .known = true, .value = v.kind == RP_V_REAL ? v.r : (double)v.i};
         e->x.text = rp_text(&plan->arena, "%g", e->x.value);
         return e->x.text ? RP_OK : RP_NO_MEMORY;
@@ -223,6 +227,13 @@ rp_status exp_find(const exp_plan *plan, int sort, const config_setting_t *group
 void exp_add_scope(exp_plan *plan, int sort, size_t index, const char *name)
 {
     plan->scopes[plan->n_scopes++] = (exp_scope){.sort = sort, .index = index, .name = name};
+}
+
+const config_setting_t *exp_has_key(const config_setting_t *group, const char *words)
+{
+    for (size_t i = 0; i < length(group); i++)
+        if (rp_word_index(words, config_setting_name(element(group, i))) >= 0) return element(group, i);
+    return NULL;
 }
 
 /* Numbers or expressions, (a, b) or (a, b, c). */

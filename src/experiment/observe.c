@@ -204,12 +204,6 @@ static double area_now(exp_run *run, const exp_use *use)
 
 /* ---- of contacts ---- */
 
-static const dem_physics *physics_now(const exp_run *run)
-{
-    const size_t laws = run->at.now.laws;
-    return &(laws == SIZE_MAX ? &run->plan->scene.laws : &run->plan->phases[laws].laws)->physics;
-}
-
 /* Sums over the contacts of a scope, those with their middle in a region, or with a grain of a kind: branch
  * vector times force, compression positive. */
 typedef struct {
@@ -229,7 +223,7 @@ static contact_totals over_contacts(exp_run *run, const exp_use *use)
         if (!exp_is_within(&in, c->id_a, x, y) && !(in.kinds && c->id_b && exp_is_within(&in, c->id_b, x, y)))
             continue;
         exp_contact_force(c, f);
-        const double mu = c->id_b ? physics_now(run)->mu : dem_wall_now(run->sim, (size_t)c->wall).mu;
+        const double mu = c->id_b ? exp_laws(run)->mu : dem_wall_now(run->sim, (size_t)c->wall).mu;
         t.n++, t.sliding += c->normal_force > 0.0 && fabs(c->shear_force) >= 0.999 * mu * c->normal_force;
         t.xx += lx * f[0], t.yy += ly * f[1], t.xy += 0.5 * (lx * f[1] + ly * f[0]);
     }
@@ -313,7 +307,7 @@ static double wall_force(exp_run *run, const exp_use *use, int component)
 /* clang-format off */
 #define OBSERVABLES(X) \
     X(OF_RUN, time, 0, 0, RP_X_NUMBER, "s", "time since the start", dem_time(run->sim)) \
-    X(OF_RUN, t, 0, 0, RP_X_NUMBER, "s", "time since the phase began", dem_time(run->sim) - run->at.begun + (run->ahead ? 0.5 * exp_dt(run) : 0.0)) \
+    X(OF_RUN, t, 0, 0, RP_X_NUMBER, "s", "time since the phase began", dem_time(run->sim) - run->at.begun + (run->ahead ? 0.5 * exp_laws(run)->dt : 0.0)) \
     X(OF_RUN, step, 0, 0, RP_X_NUMBER, "", "steps since the start", (double)run->at.steps) \
     X(OF_RUN, phase_step, 0, 0, RP_X_NUMBER, "", "steps since the phase began", (double)(run->at.phase_step + run->ahead)) \
     X(OF_RUN, pass, 0, 0, RP_X_NUMBER, "", "number of the block's pass, from 1", (double)run->at.pass) \
@@ -374,21 +368,8 @@ const exp_observable exp_observables[] = {OBSERVABLES(ROW){0}};
 /* ---- modules ---- */
 
 #define X(name) &exp_module_##name,
-static const exp_module *const modules[] = {EXP_MODULES(X) NULL};
+const exp_module *const exp_modules[] = {EXP_MODULES(X) NULL};
 #undef X
-
-const exp_module *exp_module_find(const char *name, size_t length)
-{
-    for (const exp_module *const *m = modules; *m; m++)
-        if (strlen((*m)->name) == length && strncmp((*m)->name, name, length) == 0) return *m;
-    return NULL;
-}
-
-exp_group exp_module_at(size_t k)
-{
-    if (k >= sizeof modules / sizeof *modules - 1) return (exp_group){0};
-    return (exp_group){modules[k]->name, modules[k]->schema, modules[k]->about, modules[k]->outputs};
-}
 
 rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_MODULE_OUTPUTS])
 {
@@ -399,7 +380,7 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
     exp_view view = {.d = plan->d,
                      .m = plan->m,
                      .sim = run->sim,
-                     .mu = physics_now(run)->mu,
+                     .mu = exp_laws(run)->mu,
                      .n_marks = run->marks ? run->n_ids : 0,
                      .marks = run->marks,
                      .lo = {-INFINITY, -INFINITY},
@@ -461,22 +442,11 @@ bool exp_true(exp_run *run, const exp_expression *e)
     return exp_value(run, e) == 1.0;
 }
 
-typedef struct {
-    const exp_plan *plan;
-    const char *observable;
-    bool asks;
-} question;
-
-static void ask(void *host, int id)
-{
-    question *q = host;
-    q->asks |=
-        id < EXP_ID_MEASURE && (!q->observable || strcmp(q->plan->uses[id].of->name, q->observable) == 0);
-}
-
 bool exp_asks(const exp_plan *plan, const exp_expression *e, const char *observable)
 {
-    question q = {plan, observable, false};
-    rp_expression_each(&e->x, ask, &q);
-    return q.asks;
+    int id;
+    for (size_t k = 0; (id = rp_expression_asks(&e->x, k)) >= 0; k++)
+        if (id < EXP_ID_MEASURE && (!observable || strcmp(plan->uses[id].of->name, observable) == 0))
+            return true;
+    return false;
 }

@@ -1,4 +1,5 @@
 /* A run: from look to look, and from phase to phase. */
+#include <gsl/gsl_minmax.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
@@ -79,23 +80,16 @@ static rp_status make_room(exp_run *run)
 static rp_status fill(exp_run *run, dem_scene *scene)
 {
     const exp_plan *plan = run->plan;
-    dem_definition def = scene->def;
-    dem_grain *grains = NULL;
-    size_t *ends, i = 0;
+    size_t i = scene->grains ? scene->def.n_grains : 0;
     RP_SCOPE(arena);
-    RP_NEW(&arena, ends, scene->n_more + 1);
-    rp_status status = dem_scene_grains(scene, &grains, &def.n_grains, ends);
-    if (plan->adds) def.radius_to_come = 0.5 * plan->d;
-    def.grains = grains, def.lines = scene->has_fill ? NULL : scene->lines;
-    if (!status) status = dem_create(&def, &run->sim);
-    free(grains);
-    if (status) return status;
-    if (!exp_make_ids(run, def.n_grains + 1)) return run->failed;
-    i = scene->grains ? scene->def.n_grains : 0;
-    for (size_t k = 0; dem_scene_fill_at(scene, k); k++) {
-        const char *name = dem_scene_fill_at(scene, k)->kind;
+    RP_NEW(&arena, scene->ends, scene->n_fills);
+    if (plan->adds) scene->def.radius_to_come = 0.5 * plan->d;
+    RP_TRY(dem_scene_start(scene, &run->sim));
+    if (!exp_make_ids(run, dem_count(run->sim) + 1)) return run->failed;
+    for (size_t k = 0; k < scene->n_fills; k++) {
+        const char *name = scene->fills[k].kind;
         const exp_scope *kind = exp_scope_named(plan, EXP_KIND, name, strlen(name), NULL);
-        for (; i < ends[k]; i++) run->kinds[i] = kind ? (int32_t)kind->index : -1;
+        for (; i < scene->ends[k]; i++) run->kinds[i] = kind ? (int32_t)kind->index : -1;
     }
     return RP_OK;
 }
@@ -108,8 +102,8 @@ static rp_status make_run(const exp_plan *plan, unsigned long seed, unsigned lon
     run->plan = plan;
     RP_TRY(make_room(run));
     for (int k = 0; k < 2 && plan->adds; k++) {
-        run->random[k] = rp_random_alloc(seed, stream, k ? RP_PURPOSE_PLACES : RP_PURPOSE_RADII);
-        if (!run->random[k]) return rp_fail(RP_NO_MEMORY, "run: out of memory");
+        run->random[k] = rp_random_in(&run->arena, seed, stream, k ? RP_PURPOSE_PLACES : RP_PURPOSE_RADII);
+        if (!run->random[k]) return RP_NO_MEMORY;
     }
     run->at.now.turn[0] = plan->scene.def.turn_per_step * (180.0 / M_PI);
     run->at.now.turn[1] = plan->scene.def.box_turn_per_step * (180.0 / M_PI);
@@ -130,8 +124,8 @@ rp_status exp_start(const exp_plan *plan, unsigned long seed, unsigned long stre
     RP_TRY(make_run(plan, seed, stream, made));
     exp_run *run = *made;
     dem_scene scene = plan->scene;
-    scene.fill.seed = (long)seed, scene.fill.run = (long)stream;
-    for (int k = 0; k < 2; k++) scene.fill.streams[k] = run->random[k];
+    scene.seed = (long)seed, scene.run = (long)stream;
+    for (int k = 0; k < 2; k++) scene.streams[k] = run->random[k];
     rp_status status = fill(run, &scene);
     if (status == RP_NO_RESULT) return exp_conclude(run, "no_room", "%s", rp_message()), RP_OK;
     if (status) return rp_prefix(status, "%s: ", plan->text->path);
@@ -143,8 +137,7 @@ rp_status exp_start(const exp_plan *plan, unsigned long seed, unsigned long stre
 
 rp_status exp_start_at(const exp_plan *plan, size_t phase, const dem_sim *sim, exp_run **made)
 {
-    const dem_fill *fill = &plan->scene.fill;
-    RP_TRY(make_run(plan, (unsigned long)fill->seed, (unsigned long)fill->run, made));
+    RP_TRY(make_run(plan, (unsigned long)plan->scene.seed, (unsigned long)plan->scene.run, made));
     exp_run *run = *made;
     RP_TRY(dem_clone(sim, &run->sim));
     count_start(run);
@@ -163,8 +156,6 @@ void exp_run_free(exp_run *run)
     for (size_t k = 0; run->saved && k < run->plan->n_phases; k++) dem_free(run->saved[k].sim);
     for (size_t k = 0; run->kept && k < run->plan->n_phases; k++) rp_snapshot_free(&run->kept[k]);
     free(run->marks), free(run->kinds), free(run->states), free(run->contacts);
-    for (int k = 0; k < 2; k++)
-        if (run->random[k]) gsl_rng_free(run->random[k]);
     dem_free(run->sim);
     rp_arena_end(&run->arena);
     free(run);
@@ -255,7 +246,7 @@ static void begin_phase(exp_run *run)
     if (p->add.on && !run->at.done) exp_add_grains(run, p);
     if (run->at.done || run->failed) return;
     const double least = p->ending == EXP_STEPS  ? exp_value(run, &p->end)
-                         : p->ending == EXP_TIME ? exp_value(run, &p->end) / exp_dt(run)
+                         : p->ending == EXP_TIME ? exp_value(run, &p->end) / exp_laws(run)->dt
                                                  : (double)p->most;
     run->at.most = least >= 0.0 && least <= 9e15 ? lround(least) : -1;
     if (run->at.most < 0 && !run->failed)
@@ -368,11 +359,6 @@ static void look(exp_run *run, bool is_end)
     end_phase(run);
 }
 
-static long least_of(long a, long b)
-{
-    return a < b ? a : b;
-}
-
 rp_status exp_advance(exp_run *run, long most)
 {
     if (!run->at.done && !run->at.started) begin_phase(run);
@@ -382,10 +368,9 @@ rp_status exp_advance(exp_run *run, long most)
     if (p->ending == EXP_UNTIL || p->n_fails > 0 || p->damp)
         next = exp_next_look(run->at.phase_step - p->least, p->every);
     if (p->is_sampled) exp_measures_in(run, &next);
-    const long left = run->at.most - run->at.phase_step, part = least_of(most, least_of(next, left));
+    const long left = run->at.most - run->at.phase_step, part = GSL_MIN(most, GSL_MIN(next, left));
     if (part > 0) {
-        const rp_status status =
-            go(run, part, p->each_step || (run->plan->n_loads > 0 && exp_is_loaded(run)));
+        const rp_status status = go(run, part, p->each_step || exp_is_loaded(run));
         run->fresh = false;
         if (status == RP_BROKEN) {
             exp_conclude(run, dem_fault_text(dem_sim_fault(run->sim)), "%s", rp_message());
@@ -619,7 +604,7 @@ rp_status exp_kept_key(const exp_plan *plan, size_t k, unsigned long seed, unsig
                        char digits[33])
 {
     RP_SCOPE(arena);
-    char *begun = exp_key_to(plan, plan->kept[k] + 1);
+    char *begun = exp_key(plan, plan->kept[k] + 1);
     const char *whole =
         begun ? rp_text(&arena, "%sarrays %zu %zu %zu %zu streams %lu %lu\n", begun, plan->n_states,
                         plan->n_outputs, plan->n_measures, plan->n_loads, seed, stream)

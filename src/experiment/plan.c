@@ -40,8 +40,7 @@ static rp_status read_region(const config_setting_t *setting, exp_place *place, 
     const config_setting_t *x = member(setting, "x"), *y = member(setting, "y"),
                            *circle = member(setting, "circle"), *polygon = member(setting, "polygon");
     *r = (exp_region){.name = config_setting_name(setting), .circle = circle != NULL};
-    RP_TRY(rp_config_group(setting, exp_no_keys, NULL,
-                           (const char *const[]){"x", "y", "circle", "polygon", NULL}));
+    RP_TRY(rp_config_group(setting, exp_no_keys, NULL, "x y circle polygon"));
     if ((x || y) + (circle != NULL) + (polygon != NULL) != 1)
         return rp_config_fail(setting, "%s: x, y or both, or circle, or polygon expected", r->name);
     for (int k = 0; k < 4; k++)
@@ -155,16 +154,12 @@ static rp_status check_required(const exp_plan *plan)
 static rp_status read(exp_plan *plan)
 {
     dem_text *text = plan->text;
-    const double *constants = text->lets.constants;
     const config_setting_t *rest = config_lookup(&text->config, "rest");
-    static const char *const asked[] = {"g", "d", "m"};
     RP_TRY(dem_text_scene(text, &plan->scene));
-    for (size_t k = 0; k < sizeof asked / sizeof *asked; k++) {
-        rp_x_symbol is = {0};
-        bool known = false;
-        RP_TRY(rp_prefix(rp_lets_find(&text->lets, asked[k], -1, &is, &known), "%s: ", text->path));
-    }
-    plan->d = constants[RP_LET_D], plan->m = constants[RP_LET_M], plan->g = constants[RP_LET_G];
+    rp_status status = rp_lets_constant(&text->lets, RP_LET_G, &plan->g);
+    if (!status) status = rp_lets_constant(&text->lets, RP_LET_D, &plan->d);
+    if (!status) status = rp_lets_constant(&text->lets, RP_LET_M, &plan->m);
+    RP_TRY(rp_prefix(status, "%s: ", text->path));
     if (config_lookup(&text->config, "phases") && config_lookup(&text->config, "steps"))
         return rp_config_fail(config_lookup(&text->config, "steps"),
                               "steps: a text with phases ends with their last");
@@ -174,7 +169,7 @@ static rp_status read(exp_plan *plan)
         if (exp_observable_named(let->name, ~(unsigned)OF_NEW)) /* whose name stands alone too */
             return rp_config_fail(config_lookup(&text->config, "let"), "let.%s: is an observable", let->name);
     RP_NEW(&plan->arena, plan->scopes,
-           plan->scene.def.n_walls + plan->scene.n_more + 1 +
+           plan->scene.def.n_walls + plan->scene.n_fills +
                2 * exp_count_phases(config_lookup(&text->config, "phases")) +
                length(config_lookup(&text->config, "regions")) +
                length(config_lookup(&text->config, "measure")));
@@ -215,18 +210,13 @@ const dem_scene *exp_scene(const exp_plan *plan)
     return &plan->scene;
 }
 
-const rp_lets *exp_lets(const exp_plan *plan)
-{
-    return &plan->text->lets;
-}
-
 const exp_output *exp_outputs(const exp_plan *plan, size_t *n)
 {
     if (n) *n = plan->n_outputs;
     return plan->outputs;
 }
 
-const exp_group exp_groups[] = {
+const dem_scene_group exp_groups[] = {
     {"phases", exp_phase_schema,
      "a list, in its order: name; one of steps (a number), time (s), until (a condition, looked at every "
      "`every` steps); if (a condition of lets); fail = { word = \"condition\"; }. From here on: gravity = "

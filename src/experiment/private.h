@@ -110,6 +110,7 @@ typedef struct {
     bool has_laws, is_source; /* is_source: a later phase goes back to its end */
     dem_scene_laws laws;      /* that hold in it */
     dem_material *given;      /* and the coefficients of the walls, as given */
+    dem_definition def;       /* that follows from both; zero without laws of its own */
     size_t source;            /* phase of `from`, or SIZE_MAX */
     exp_scope removes;
     size_t n_fails;
@@ -261,7 +262,7 @@ struct exp_run {
 void exp_conclude(exp_run *run, const char *status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-double exp_dt(const exp_run *run); /* of the laws that hold */
+const dem_physics *exp_laws(const exp_run *run); /* that hold */
 double exp_value(exp_run *run, const exp_expression *e);
 bool exp_true(exp_run *run, const exp_expression *e);
 
@@ -292,7 +293,6 @@ bool exp_make_ids(exp_run *run, size_t id);
  * What can't be ends the run. */
 void exp_go_back(exp_run *run, const exp_phase *p);
 void exp_save(exp_run *run, size_t phase);
-char *exp_key_to(const exp_plan *plan, size_t end); /* exp_key of the phases before this one */
 void exp_change_laws(exp_run *run, const exp_phase *p);
 void exp_remove(exp_run *run, const exp_phase *p);
 void exp_add_grains(exp_run *run, const exp_phase *p);
@@ -309,7 +309,6 @@ double exp_observe(void *run, int id, const double args[]);
 
 /* The numbers of a module. Errors: RP_NO_RESULT; others. */
 rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_MODULE_OUTPUTS]);
-const exp_module *exp_module_find(const char *name, size_t length); /* NULL: none */
 
 /* Take the samples of a look; the values of the measures of a phase that has ended. */
 void exp_sample(exp_run *run);

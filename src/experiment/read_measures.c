@@ -82,19 +82,20 @@ static rp_status check_module(const config_setting_t *setting, const char *of)
     if (!of || !exp_is_word(of) || exp_observable_named(of, ~(unsigned)OF_NEW) || rp_lets_has(setting, of))
         return RP_OK;
     rp_guess guess = rp_guess_of(of);
-    for (size_t k = 0; exp_module_at(k).name; k++) rp_guess_try(&guess, exp_module_at(k).name);
+    for (const exp_module *const *m = exp_modules; *m; m++) rp_guess_try(&guess, (*m)->name);
     return *rp_guess_text(&guess)
                ? rp_config_fail(member(setting, "of"), "of \"%s\": unknown name%s", of, rp_guess_text(&guess))
                : RP_OK;
 }
 
 /* Of a module: all its numbers, or with MODULE.OUTPUT one; its keys are the measure's too. */
-static rp_status read_module(exp_plan *plan, const config_setting_t *setting, exp_measure *m,
-                             const char *others[])
+static rp_status read_module(exp_plan *plan, const config_setting_t *setting, exp_measure *m)
 {
     const config_setting_t *what = member(setting, "of");
     const char *of = what ? config_setting_get_string(what) : NULL, *dot = of ? strchr(of, '.') : NULL;
-    m->module = of ? exp_module_find(of, dot ? (size_t)(dot - of) : strlen(of)) : NULL;
+    for (const exp_module *const *at = exp_modules; of && *at; at++)
+        if (strlen((*at)->name) == strcspn(of, ".") && strncmp((*at)->name, of, strcspn(of, ".")) == 0)
+            m->module = *at;
     m->pick = -1;
     if (!m->module) return check_module(setting, of);
     rp_guess guess = rp_guess_of(dot ? dot + 1 : "");
@@ -108,12 +109,7 @@ static rp_status read_module(exp_plan *plan, const config_setting_t *setting, ex
     m->params = rp_arena_memory(&plan->arena, 1, m->module->size);
     if (!m->params) return RP_NO_MEMORY;
     rp_params_defaults(m->module->schema, m->params);
-    for (const rp_param *p = m->module->schema; p->name; p++) {
-        const config_setting_t *key = member(setting, p->name);
-        if (key) RP_TRY(rp_config_value(key, p, m->params));
-        *others++ = p->name;
-    }
-    *others = NULL;
+    RP_TRY(rp_config_peek(setting, m->module->schema, NULL, m->params));
     const rp_param *from = rp_params_find(m->module->schema, "from"),
                    *to = rp_params_find(m->module->schema, "to");
     const char *params = m->params;
@@ -236,12 +232,15 @@ static rp_status read_level(const exp_plan *plan, exp_measure *m)
 
 static rp_status name_measure(exp_plan *plan, const config_setting_t *setting, exp_measure *m)
 {
-    const char *others[EXP_MODULE_OUTPUTS] = {"of", "when", "if", "event", "columns", "against", NULL};
+    const char *others = "of when if event columns against";
     *m = (exp_measure){.setting = setting};
     rp_params_defaults(exp_measure_schema, m);
     if (!config_setting_is_group(setting))
         return rp_config_fail(setting, "measure: a list ( { ... } ) expected");
-    RP_TRY(read_module(plan, setting, m, others + 6));
+    RP_TRY(read_module(plan, setting, m));
+    for (const rp_param *p = m->module ? m->module->schema : exp_no_keys; p->name && others; p++)
+        others = rp_text(&plan->arena, "%s %s", others, p->name);
+    if (!others) return RP_NO_MEMORY;
     RP_TRY(rp_config_group(setting, exp_measure_schema, m, others));
     /* all numbers of a module have names of their own */
     RP_TRY(m->module && m->pick < 0 ? exp_check_word(setting, "a measure", m->name)

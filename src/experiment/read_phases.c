@@ -85,8 +85,6 @@ static exp_loading loading_of(const config_setting_t *wall, const char *key)
     return !value ? EXP_SAME : word && strcmp(word, "none") == 0 ? EXP_FREED : EXP_LOADED;
 }
 
-static const char *const move_keys[] = {"velocity", "omega", "load_x", "load_y", "speed", NULL};
-
 static rp_status read_move(const config_setting_t *setting, exp_place *place, exp_phase *p, exp_move *m)
 {
     exp_plan *plan = place->plan;
@@ -96,7 +94,7 @@ static rp_status read_move(const config_setting_t *setting, exp_place *place, ex
     if (!config_setting_is_group(setting))
         return rp_config_fail(setting, "%s: a group { ... } expected", name);
     for (size_t k = 0; k < plan->walls[m->wall].n; k++)
-        RP_TRY(dem_text_coefficients(setting, move_keys, &coefficients,
+        RP_TRY(dem_text_coefficients(setting, "velocity omega load_x load_y speed", &coefficients,
                                      &p->given[plan->walls[m->wall].walls[k]]));
     p->has_laws |= coefficients;
     if (length(setting) == 0)
@@ -125,8 +123,7 @@ static rp_status read_move(const config_setting_t *setting, exp_place *place, ex
 /* add = { N; kind; r, or radii as of a fill; density; x; y; vx; vy; omega; gap; }. */
 static rp_status read_add(const config_setting_t *group, exp_place *place, exp_add *a)
 {
-    static const char *const others[] = {"N",  "kind", "r",     "density", "x",     "y",
-                                         "vx", "vy",   "omega", "gap",     "radii", NULL};
+    static const char others[] = "N kind r density x y vx vy omega gap radii";
     exp_plan *plan = place->plan;
     const config_setting_t *x = member(group, "x"), *y = member(group, "y"), *kind = member(group, "kind");
     const double fallbacks[] = {1.0, NAN, NAN, 0.0, 0.0, 0.0, 1e-6 * plan->d};
@@ -155,44 +152,27 @@ static rp_status read_add(const config_setting_t *group, exp_place *place, exp_a
     for (size_t k = 0; k < sizeof fallbacks / sizeof *fallbacks; k++)
         if (!exp_given(keys[k].e)) keys[k].e->x = (rp_expression){.known = true, .value = fallbacks[k]};
     if (!x_range) a->x[1] = a->x[0];
-    RP_TRY(dem_text_radii(&plan->arena, group, others, dem_scene_fill_at(&plan->scene, 0), &a->radii));
+    RP_TRY(dem_text_radii(&plan->arena, group, others, plan->scene.fills, &a->radii));
     return exp_given(&a->r) && member(group, "radius_mean")
                ? rp_config_fail(group, "add: r and radius_mean; keep one")
                : RP_OK;
 }
 
 /* Keys of a phase that are read by hand, laws first. */
-enum { LAW_KEYS = 7 };
-static const char *const by_hand[] = {"dt",
-                                      "x_min",
-                                      "x_max",
-                                      "y_min",
-                                      "normal",
-                                      "tangential",
-                                      "rolling",
-                                      "if",
-                                      "steps",
-                                      "time",
-                                      "until",
-                                      "fail",
-                                      "walls",
-                                      "gravity",
-                                      "add",
-                                      "gravity_turn_deg_per_step",
-                                      "box_turn_deg_per_step",
-                                      NULL};
+#define LAW_KEYS "dt x_min x_max y_min normal tangential rolling"
+static const char by_hand[] = LAW_KEYS " if steps time until fail walls gravity add "
+                                       "gravity_turn_deg_per_step box_turn_deg_per_step";
 
 /* The laws of a phase follow from those of the one before it in the text, or that it goes back to. */
 static rp_status read_laws(exp_plan *plan, exp_phase *p)
 {
-    dem_definition def;
     dem_wall *walls;
-    for (int k = 0; k < LAW_KEYS; k++) p->has_laws |= member(p->setting, by_hand[k]) != NULL;
+    p->has_laws |= exp_has_key(p->setting, LAW_KEYS) != NULL;
     if (!p->has_laws) return RP_OK;
     RP_NEW(&plan->arena, walls, plan->scene.def.n_walls);
     RP_TRY(dem_text_laws(p->setting, &plan->scene, &p->laws));
-    rp_status status = dem_laws_apply(&p->laws, p->given, &plan->scene, &def, walls);
-    if (!status) status = dem_physics_check(&def);
+    rp_status status = dem_laws_apply(&p->laws, p->given, &plan->scene, &p->def, walls);
+    if (!status) status = dem_physics_check(&p->def);
     return status ? rp_config_fail(p->setting, "phase %s: %s", p->name, rp_message()) : RP_OK;
 }
 
@@ -238,22 +218,19 @@ static rp_status name_kind(exp_plan *plan, const config_setting_t *setting, cons
 /* The head of a phase: its own keys, and whether it is left out. */
 static rp_status name_phase(exp_plan *plan, const config_setting_t *setting, size_t block, bool has_inner)
 {
-    static const char *const of_block[] = {"if", "until", "phases", NULL};
     exp_phase *p = &plan->phases[plan->n_phases];
     const config_setting_t *add = member(setting, "add"), *kind = add ? member(add, "kind") : NULL;
     *p = (exp_phase){.setting = setting, .block = block, .ending = EXP_UNTIL};
     rp_params_defaults(exp_phase_schema, p);
-    RP_TRY(rp_config_group(setting, exp_phase_schema, p, has_inner ? of_block : by_hand));
+    RP_TRY(rp_config_group(setting, exp_phase_schema, p, has_inner ? "if until phases" : by_hand));
     if (block != SIZE_MAX && !member(setting, "mark")) p->mark = false;
     if (!exp_is_word(p->name))
         return rp_config_fail(setting, "name = \"%s\": up to 23 letters, digits and _ expected", p->name);
     if (exp_scope_named(plan, EXP_PHASE, p->name, strlen(p->name), NULL))
         return rp_config_fail(setting, "name = \"%s\": names two phases", p->name);
-    for (const char *const *key =
-             (const char *const[]){"least", "every", "most", "open", "mark", "damp", "remove", "keep", NULL};
-         has_inner && *key; key++)
-        if (member(setting, *key))
-            return rp_config_fail(member(setting, *key), "%s: of a block's phases, not of the block", *key);
+    const config_setting_t *own = exp_has_key(setting, "least every most open mark damp remove keep");
+    if (has_inner && own)
+        return rp_config_fail(own, "%s: of a block's phases, not of the block", config_setting_name(own));
     if (!has_inner && p->repeat >= 0)
         return rp_config_fail(member(setting, "repeat"), "repeat: needs phases = ( ... ), a block");
     if (*p->status && !exp_is_word(p->status))
@@ -342,8 +319,7 @@ rp_status exp_name_phases(exp_plan *plan)
 {
     const config_setting_t *list = config_lookup(&plan->text->config, "phases"),
                            *fill = config_lookup(&plan->text->config, "fill");
-    for (size_t k = 0; dem_scene_fill_at(&plan->scene, k); k++)
-        RP_TRY(name_kind(plan, fill, dem_scene_fill_at(&plan->scene, k)->kind));
+    for (size_t k = 0; k < plan->scene.n_fills; k++) RP_TRY(name_kind(plan, fill, plan->scene.fills[k].kind));
     RP_NEW(&plan->arena, plan->phases, exp_count_phases(list));
     RP_TRY(name_phases(plan, list, SIZE_MAX));
     RP_NEW(&plan->arena, plan->loads, plan->n_loads);

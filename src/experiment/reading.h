@@ -11,6 +11,9 @@ rp_status exp_check_name(const exp_plan *plan, const config_setting_t *setting, 
                          const char *name);
 bool exp_is_word(const char *word); /* of a run's status */
 
+/* The first setting of a group whose name is one of these words, NULL: there is none. */
+const config_setting_t *exp_has_key(const config_setting_t *group, const char *words);
+
 /* n numbers or expressions, (a, b, ...). */
 rp_status exp_read_list(const config_setting_t *list, const char *key, size_t n, exp_place *place,
                         exp_expression *e);

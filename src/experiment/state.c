@@ -40,11 +40,10 @@ const dem_contact *exp_contacts(exp_run *run, size_t *n)
     return run->contacts;
 }
 
-double exp_dt(const exp_run *run)
+const dem_physics *exp_laws(const exp_run *run)
 {
-    const exp_plan *plan = run->plan;
     const size_t laws = run->at.now.laws;
-    return laws == SIZE_MAX ? plan->scene.def.dt : plan->phases[laws].laws.physics.dt;
+    return &(laws == SIZE_MAX ? &run->plan->scene.laws : &run->plan->phases[laws].laws)->physics;
 }
 
 bool exp_make_ids(exp_run *run, size_t id)

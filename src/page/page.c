@@ -71,9 +71,9 @@ const char *EXPORT(page_start)(const char *bytes, char *changes)
     for (char *at = strtok(changes, "\n"); at && texts.n < 32; at = strtok(NULL, "\n"))
         texts.items[texts.n++] = at;
     rp_status status = read_text(bytes, &texts, &next);
-    const dem_fill *fill = status ? NULL : &exp_scene(next->plan)->fill;
+    const dem_scene *scene = status ? NULL : exp_scene(next->plan);
     if (!status)
-        status = exp_start(next->plan, (unsigned long)fill->seed, (unsigned long)fill->run, &next->run);
+        status = exp_start(next->plan, (unsigned long)scene->seed, (unsigned long)scene->run, &next->run);
     return replace(status, next);
 }
 
@@ -95,11 +95,11 @@ const char *EXPORT(page_go_on)(const char *bytes, int n)
 /* The text as it was given, with its changes. */
 const char *EXPORT(page_text)(void)
 {
-    const dem_fill *fill = &exp_scene(now->plan)->fill;
+    const dem_scene *scene = exp_scene(now->plan);
     size_t size;
     free(words);
     FILE *out = open_memstream(&words, &size);
-    dem_text_write(&now->text, (unsigned long)fill->seed, (unsigned long)fill->run, out);
+    dem_text_write(&now->text, (unsigned long)scene->seed, (unsigned long)scene->run, out);
     fclose(out);
     return words;
 }

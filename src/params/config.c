@@ -89,23 +89,20 @@ static const char *path_within(const config_setting_t *setting, char text[PATH_B
     return setting && *text ? strcat(text, ".") : "";
 }
 
-rp_status rp_config_unknown(const config_setting_t *setting, const rp_param *schema,
-                            const char *const *others, const char *more)
+rp_status rp_config_unknown(const config_setting_t *setting, const rp_param *schema, const char *others,
+                            const char *more)
 {
     const char *name = config_setting_name(setting);
     char path[PATH_BYTES], allowed[2048] = "";
     size_t used = 0;
     rp_guess guess = rp_guess_of(name);
     rp_guess_schema(&guess, schema);
+    rp_guess_words(&guess, others ? others : "");
     for (; schema->name && used < sizeof allowed; schema++)
         used += (size_t)snprintf(allowed + used, sizeof allowed - used, " %s", schema->name);
-    for (; others && *others && used < sizeof allowed; others++) {
-        rp_guess_try(&guess, *others);
-        used += (size_t)snprintf(allowed + used, sizeof allowed - used, " %s", *others);
-    }
-    return rp_config_fail(setting, "%s%s: unknown key%s; allowed:%s%s",
+    return rp_config_fail(setting, "%s%s: unknown key%s; allowed:%s%s%s%s",
                           path_within(config_setting_parent(setting), path), name, rp_guess_text(&guess),
-                          allowed, more);
+                          allowed, others ? " " : "", others ? others : "", more);
 }
 
 rp_status rp_config_scalar(const config_setting_t *setting, rp_value *value)
@@ -146,10 +143,9 @@ static rp_status set_computed(const config_setting_t *setting, const rp_param *p
                            : whole                 ? (rp_value){.kind = RP_V_INT, .i = (long)is.value}
                                                    : (rp_value){.kind = RP_V_REAL, .r = is.value};
     if (!isfinite(is.value) && param->type == RP_REAL) { /* what is infinite has its word, if there is one */
-        static const char *const words[] = {"none", "infinite", "instant"};
-        for (size_t k = 0; k < sizeof words / sizeof *words; k++)
-            if (strstr(param->range, words[k])) return rp_params_set_text(param, values, words[k]);
-        return rp_params_set_text(param, values, is.value > 0.0 ? "inf" : "-inf");
+        char spelt[64];
+        rp_params_text(&(rp_param){.type = RP_REAL, .range = param->range}, &is.value, spelt, sizeof spelt);
+        return rp_params_set_text(param, values, *spelt ? spelt : is.value > 0.0 ? "inf" : "-inf");
     }
     return rp_params_set(param, values, &value);
 }
@@ -177,15 +173,20 @@ rp_status rp_config_value(const config_setting_t *setting, const rp_param *param
     return status ? rp_config_fail(setting, "%s%s", path_within(setting, path), rp_message()) : RP_OK;
 }
 
-static bool listed(const char *const *names, const char *name)
+rp_status rp_config_peek(const config_setting_t *group, const rp_param *schema, const char *keys,
+                         void *values)
 {
-    for (; names && *names; names++)
-        if (strcmp(*names, name) == 0) return true;
-    return false;
+    for (; schema->name; schema++) {
+        const config_setting_t *setting = keys && rp_word_index(keys, schema->name) < 0
+                                              ? NULL
+                                              : config_setting_get_member(group, schema->name);
+        if (setting) RP_TRY(rp_config_value(setting, schema, values));
+    }
+    return RP_OK;
 }
 
 rp_status rp_config_group(const config_setting_t *group, const rp_param *schema, void *values,
-                          const char *const *others)
+                          const char *others)
 {
     char path[PATH_BYTES];
     if (!config_setting_is_group(group))
@@ -194,7 +195,7 @@ rp_status rp_config_group(const config_setting_t *group, const rp_param *schema,
     for (int i = 0; i < config_setting_length(group); i++) {
         const config_setting_t *setting = config_setting_get_elem(group, (unsigned)i);
         const char *name = config_setting_name(setting);
-        if (listed(others, name)) continue;
+        if (rp_word_index(others, name) >= 0) continue;
         const rp_param *param = rp_params_find(schema, name);
         if (!param) return rp_config_unknown(setting, schema, others, "");
         RP_TRY(rp_config_value(setting, param, values));
@@ -264,19 +265,14 @@ void rp_config_write_text(FILE *out, const char *text)
     fputc('"', out);
 }
 
-void rp_config_write_scalar(FILE *out, const rp_value *v)
-{
-    if (v->kind == RP_V_REAL) fprintf(out, isinf(v->r) ? "\"%g\"" : "%.17e", v->r);
-    if (v->kind == RP_V_INT) fprintf(out, "%ld", v->i);
-    if (v->kind == RP_V_BOOL) fputs(v->i ? "true" : "false", out);
-    if (v->kind == RP_V_TEXT) rp_config_write_text(out, v->s);
-}
-
 void rp_config_write_value(FILE *out, const config_setting_t *setting)
 {
     rp_value v;
-    if (!config_setting_is_aggregate(setting)) {
-        if (!rp_config_scalar(setting, &v)) rp_config_write_scalar(out, &v);
+    if (!rp_config_scalar(setting, &v)) {
+        if (v.kind == RP_V_REAL) fprintf(out, isinf(v.r) ? "\"%g\"" : "%.17e", v.r);
+        if (v.kind == RP_V_INT) fprintf(out, "%ld", v.i);
+        if (v.kind == RP_V_BOOL) fputs(v.i ? "true" : "false", out);
+        if (v.kind == RP_V_TEXT) rp_config_write_text(out, v.s);
         return;
     }
     const bool named = config_setting_is_group(setting);

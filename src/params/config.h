@@ -22,30 +22,33 @@ rp_status rp_config_scan_file(const char *path);
 rp_status rp_config_scan_text(const char *name, const char *text);
 
 /* Read the settings of `group` into `values`, which must hold defaults. Keys that are neither in the
- * schema nor in `others` (NULL-terminated, may be NULL; left to the caller) are errors.
- * A required parameter that is missing is an error. Texts are borrowed from the config.
- * Errors: RP_BAD_INPUT. */
+ * schema nor in `others` ("a b c", may be NULL; left to the caller) are errors. A required parameter that is
+ * missing is an error. Texts are borrowed from the config. Errors: RP_BAD_INPUT. */
 rp_status rp_config_group(const config_setting_t *group, const rp_param *schema, void *values,
-                          const char *const *others);
+                          const char *others);
+
+/* Read those keys ("a b", NULL: all) of a schema that stand in a group, whatever else does: of a part of it,
+ * or before the group is read, whose others may be written with them. Errors: RP_BAD_INPUT. */
+rp_status rp_config_peek(const config_setting_t *group, const rp_param *schema, const char *keys,
+                         void *values);
 
 /* The error of a key that the schema and `others` do not have: its path, the nearest key, those that are
  * allowed, and `more`. */
-rp_status rp_config_unknown(const config_setting_t *setting, const rp_param *schema,
-                            const char *const *others, const char *more);
+rp_status rp_config_unknown(const config_setting_t *setting, const rp_param *schema, const char *others,
+                            const char *more);
 
 /* Store one setting in its parameter, a list of texts in one of RP_TEXTS. Errors: RP_BAD_INPUT. */
 rp_status rp_config_value(const config_setting_t *setting, const rp_param *param, void *values);
 
-/* Write "name = value; " for each parameter of a schema, as rp_config_group reads it back to the same bits.
- */
 /* Of names in a text. */
 #define RP_NAME_LETTERS "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_"
 
-/* A text in quotes; a value, and a setting's, as they are read back to the bit. */
+/* A text in quotes; a setting's value, as it is read back to the bit. */
 void rp_config_write_text(FILE *out, const char *text);
-void rp_config_write_scalar(FILE *out, const rp_value *v);
 void rp_config_write_value(FILE *out, const config_setting_t *setting);
 
+/* Write "name = value; " for each parameter of a schema, as rp_config_group reads it back to the same bits.
+ */
 void rp_config_write(FILE *out, const rp_param *schema, const void *values);
 
 /* An RP_BAD_INPUT failure that starts with the setting's file and line. */

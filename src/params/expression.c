@@ -173,7 +173,7 @@ typedef struct {
     const char *begins;
 } x_part;
 
-static const char *const types[] = {"a number", "a condition", "a word"};
+const char *const rp_x_types[] = {"a number", "a condition", "a word"};
 
 /* A failure, and one that another function has reported, with the character of the text. */
 #define fail_at(r, at, ...)  place(r, at, rp_fail(RP_BAD_INPUT, __VA_ARGS__))
@@ -229,7 +229,8 @@ static rp_status expect(x_reader *r, const char *sign)
 static rp_status want(const x_reader *r, const x_part *part, rp_x_type type)
 {
     if (part->type == type) return RP_OK;
-    return fail_at(r, part->begins, "%s stands where %s is expected", types[part->type], types[type]);
+    return fail_at(r, part->begins, "%s stands where %s is expected", rp_x_types[part->type],
+                   rp_x_types[type]);
 }
 
 static bool is_known(const x_reader *r, size_t start)
@@ -268,9 +269,9 @@ static rp_status read_choice(x_reader *r, x_part *part);
 static rp_status take_known(x_reader *r, const x_part *part, const char *what, double *number)
 {
     RP_TRY(want(r, part, RP_X_NUMBER));
+    *number = r->steps[r->n - 1].number;
     if (!is_known(r, part->start)) return fail_at(r, part->begins, "%s must be known before the run", what);
-    *number = r->steps[--r->n].number;
-    return RP_OK;
+    return r->n--, RP_OK;
 }
 
 static rp_status fail_unknown(const x_reader *r, const char *at, const char *name, bool call)
@@ -331,14 +332,13 @@ static rp_status read_known(x_reader *r, x_part *part)
     return expect(r, ")");
 }
 
-/* Argument number n of held: a condition, then how many looks. */
-static rp_status take_held(x_reader *r, x_part *part, const x_part *arg, int n)
+/* How many looks, after the condition of held. */
+static rp_status take_held(x_reader *r, x_part *part, const x_part *arg)
 {
     double looks;
-    if (n == 0) return want(r, arg, RP_X_TRUTH);
-    if (n > 1) return RP_OK; /* too many */
     RP_TRY(take_known(r, arg, "the second number of held", &looks));
     if (!(looks >= 1.0)) return fail_at(r, arg->begins, "held: at least one look expected");
+    part->type = RP_X_TRUTH;
     return add(r, part, (rp_x_step){.kind = X_HELD, .n = r->n_states++, .number = ceil(looks)});
 }
 
@@ -351,21 +351,20 @@ static rp_status read_call(x_reader *r, x_part *part, const char *name)
     if (own && kinds[f].measure && !r->names->measure)
         return fail_at(r, part->begins, "%s: only in measure", name);
     if (f == X_KNOWN) return read_known(r, part);
+    x_part arg;
     int n = 0;
-    for (x_part arg; !is_sign(r, ")"); n++) {
+    for (; !is_sign(r, ")"); n++) {
         if (n > 0) RP_TRY(expect(r, ","));
         RP_TRY(read_choice(r, &arg));
-        if (f == X_HELD)
-            RP_TRY(take_held(r, part, &arg, n));
-        else if (!own || n == 0 || kinds[f].most > 1)
-            RP_TRY(want(r, &arg, RP_X_NUMBER));
+        RP_TRY(want(r, &arg, f == X_HELD && n == 0 ? RP_X_TRUTH : RP_X_NUMBER));
         if (n > 0 && (f == X_MIN || f == X_MAX)) RP_TRY(add(r, part, (rp_x_step){.kind = f}));
     }
     RP_TRY(expect(r, ")"));
     if (!own) return take_call(r, part, name, n);
     if (n < kinds[f].least || n > kinds[f].most)
         return fail_at(r, part->begins, "%s: another number of arguments expected", name);
-    part->type = f == X_HELD ? RP_X_TRUTH : RP_X_NUMBER;
+    if (f == X_HELD) return take_held(r, part, &arg);
+    part->type = RP_X_NUMBER;
     if (kinds[f].most > 1) return RP_OK;
     if (f == X_CHANGE) r->n_states += 2;
     return add(r, part, (rp_x_step){.kind = f, .n = r->n_states - 2});
@@ -521,15 +520,16 @@ rp_status rp_expression_read_as(rp_arena *arena, const char *text, rp_x_type typ
 {
     RP_TRY(rp_expression_read(arena, text, names, e));
     if (e->type == type) return RP_OK;
-    return rp_fail(RP_BAD_INPUT, "is %s, %s is expected", types[e->type], types[type]);
+    return rp_fail(RP_BAD_INPUT, "is %s, %s is expected", rp_x_types[e->type], rp_x_types[type]);
 }
 
 /* ---- what is in it ---- */
 
-void rp_expression_each(const rp_expression *e, void (*each)(void *host, int id), void *host)
+int rp_expression_asks(const rp_expression *e, size_t k)
 {
     for (size_t i = 0; i < e->n; i++)
-        if (e->steps[i].kind == X_NAME || e->steps[i].kind == X_KNOWN) each(host, e->steps[i].id);
+        if ((e->steps[i].kind == X_NAME || e->steps[i].kind == X_KNOWN) && k-- == 0) return e->steps[i].id;
+    return -1;
 }
 
 char *rp_expression_key(rp_arena *arena, const rp_expression *e)

@@ -11,19 +11,20 @@
 #include "params/guess.h"
 
 typedef enum { RP_X_NUMBER, RP_X_TRUTH, RP_X_WORD } rp_x_type;
+extern const char *const rp_x_types[]; /* "a number", ... */
 
 /* Constants and functions, for people. */
 extern const char rp_expression_functions[];
 
-/* What a name stands for: a value that is known when the text is read, or one that `id` and n_args numbers
- * ask for. */
+/* What a name stands for: a value that is known when the text is read, or one that `id` asks
+ * for. */
 typedef struct {
     rp_x_type type;
     bool known;
     double value;     /* of a known one; a truth is 0 or 1 */
     const char *word; /* of a known word */
     const char *key;  /* of another: its name in keys, borrowed */
-    int id, n_args;
+    int id;
 } rp_x_symbol;
 
 /* The names of one place in a text. */
@@ -68,8 +69,8 @@ typedef struct {
 } rp_x_values;
 double rp_expression_value(const rp_expression *e, const rp_x_values *values, double states[]);
 
-/* Call `each` for every name that the value is asked of. */
-void rp_expression_each(const rp_expression *e, void (*each)(void *host, int id), void *host);
+/* The id of name number k that the value is asked of; -1 past the last. */
+int rp_expression_asks(const rp_expression *e, size_t k);
 
 /* Its postfix, for keys: what is known is folded, names are the host's. Without memory NULL. */
 char *rp_expression_key(rp_arena *arena, const rp_expression *e);

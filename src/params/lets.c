@@ -34,8 +34,7 @@ static rp_status read_group(const config_setting_t *group, bool foreign, rp_let 
                                       {"range", "", RP_TEXT, offsetof(rp_let, range), "", "", ""},
                                       {"meaning", "", RP_TEXT, offsetof(rp_let, meaning), "", "", ""},
                                       {0}};
-    static const char *const others[] = {"value", NULL};
-    RP_TRY(rp_config_group(group, schema, let, others));
+    RP_TRY(rp_config_group(group, schema, let, "value"));
     *value = config_setting_get_member(group, "value");
     if (!*value) return rp_config_fail(group, "let.%s: value is missing", let->name);
     return foreign || !rp_unit_check(let->unit)
@@ -44,11 +43,10 @@ static rp_status read_group(const config_setting_t *group, bool foreign, rp_let 
 }
 
 /* Is it one of the words of a range of numbers, as in "[1, 10] | none"? */
-static bool is_word_of(const rp_let *let, const rp_value *is, double *value)
+static bool is_word_of(const rp_param *let, const rp_value *is, double *value)
 {
-    const rp_param param = {let->name, let->unit, RP_REAL, 0, NULL, let->range, let->meaning};
     return is->kind == RP_V_TEXT && strchr("[(", *let->range) && *let->range && strcmp(is->s, "auto") != 0 &&
-           !rp_params_set(&param, value, is);
+           !rp_params_set(let, value, is);
 }
 
 static rp_status read_let(const config_setting_t *root, const config_setting_t *value, rp_let let,
@@ -57,12 +55,11 @@ static rp_status read_let(const config_setting_t *root, const config_setting_t *
     if (rp_word_index("pi deg inf dt true false and or not", let.name) >= 0)
         return rp_fail(RP_BAD_INPUT, "the name is taken");
     if (!is_word(let.name)) return rp_fail(RP_BAD_INPUT, "a name of letters, digits and _ expected");
+    const rp_param param = {let.name, let.unit, RP_REAL, 0, NULL, let.range, let.meaning};
     rp_value is;
     if (rp_config_scalar(value, &is))
         return rp_fail(RP_BAD_INPUT, "a number, true, false, a word or an expression expected");
-    for (size_t k = 0; k < lets->n_given; k++)
-        if (strcmp(lets->given[k].name, let.name) == 0) is = lets->given[k].value;
-    const bool word = is_word_of(&let, &is, &let.is.value);
+    const bool word = is_word_of(&param, &is, &let.is.value);
     if (word)
         let.is.type = RP_X_NUMBER, let.is.known = true, is.kind = RP_V_REAL;
     else
@@ -70,7 +67,6 @@ static rp_status read_let(const config_setting_t *root, const config_setting_t *
     const bool infinite = isinf(let.is.value) && strchr(let.range, '|'); /* what such a word stands for */
     let.computed = is.kind == RP_V_TEXT && !(let.is.type == RP_X_WORD && strcmp(let.is.word, is.s) == 0);
     if (*let.range && let.is.type == RP_X_NUMBER && !word && !infinite) {
-        const rp_param param = {let.name, let.unit, RP_REAL, 0, NULL, let.range, let.meaning};
         double checked; /* units are the text's own */
         RP_TRY(rp_params_set(&param, &checked, &(rp_value){.kind = RP_V_REAL, .r = let.is.value}));
     }
@@ -78,18 +74,11 @@ static rp_status read_let(const config_setting_t *root, const config_setting_t *
     return RP_OK;
 }
 
-static rp_status call(void *host, const char *name, int n, const double args[], double *value, bool *known)
-{
-    const rp_lets *lets = host;
-    return lets->call(lets->host, name, n, args, value, known);
-}
-
 rp_status rp_lets_read(config_setting_t *root, rp_lets *lets)
 {
     rp_arena_end(&lets->arena);
     lets->n = 0;
-    lets->names = (rp_x_names){
-        .host = lets, .find = rp_lets_find, .list = rp_lets_list, .call = lets->call ? call : NULL};
+    lets->names = (rp_x_names){.host = lets, .find = rp_lets_find, .list = rp_lets_list, .call = lets->call};
     for (int k = 0; k < RP_LET_CONSTANTS; k++) lets->constants[k] = NAN;
     config_setting_set_hook(root, lets);
     const config_setting_t *group = config_setting_get_member(root, "let");

@@ -18,35 +18,32 @@ typedef struct {
  * step. */
 typedef enum { RP_LET_D, RP_LET_M, RP_LET_G, RP_LET_DT, RP_LET_CONSTANTS } rp_let_constant;
 
-/* A value that stands in place of a let's own: of --set, or of a sweep. Its text is borrowed. */
-typedef struct {
-    const char *name;
-    rp_value value;
-} rp_let_given;
-enum { RP_LETS_MOST = 64 };
-
 typedef struct {
     rp_arena arena;
-    size_t n, n_given;
+    size_t n;
     bool foreign; /* values are given in other units than the text is written in */
     rp_let *lets;
-    rp_let_given given[RP_LETS_MOST];   /* set before the reading */
     double constants[RP_LET_CONSTANTS]; /* NAN: not known yet */
     /* Find one when a text asks for it; NULL: none is known. Errors: those of the keys that it is read from.
      */
     rp_status (*know)(void *host, rp_let_constant which, double *value);
-    rp_status (*call)(void *host, const char *name, int n, const double args[], double *value, bool *known);
     void *host;
+    /* As that of rp_x_names; its host is the rp_lets. */
+    rp_status (*call)(void *host, const char *name, int n, const double args[], double *value, bool *known);
     bool asked[RP_LET_CONSTANTS];
     rp_x_names names;
 } rp_lets;
 
-/* Read the group `let` of a text, if it has one, with the values that are given; from here on
- * rp_config_* take expressions for the text's values. `lets` must outlive them, and ends with rp_lets_end.
- * Another reading, with other values given, forgets the first. Errors: RP_BAD_INPUT (names that are taken,
- * values that are none, out of their range). */
+/* Read the group `let` of a text, if it has one; from here on rp_config_* take expressions for the text's
+ * values. `lets` must outlive them, and ends with rp_lets_end. Another reading forgets the first. Errors:
+ * RP_BAD_INPUT (names that are taken, values that are none, out of their range). */
 rp_status rp_lets_read(config_setting_t *root, rp_lets *lets);
 void rp_lets_end(rp_lets *lets);
+
+/* A constant, which is found where it is first asked for. Errors: RP_BAD_INPUT (not known here; those of
+ * `know`).
+ */
+rp_status rp_lets_constant(rp_lets *lets, rp_let_constant which, double *value);
 
 /* The names of lets and constants, as those of rp_x_names; the host is the rp_lets. */
 rp_status rp_lets_find(void *lets, const char *name, int n_args, rp_x_symbol *symbol, bool *known);

@@ -6,17 +6,17 @@
 
 static const char *const constants[RP_LET_CONSTANTS] = {"d", "m", "g", "dt"};
 
-/* A constant, where a text first asks for it. */
-static rp_status know(rp_lets *lets, rp_let_constant k)
+rp_status rp_lets_constant(rp_lets *lets, rp_let_constant k, double *value)
 {
-    if (!isnan(lets->constants[k])) return RP_OK;
-    if (!lets->know || lets->asked[k]) return rp_fail(RP_BAD_INPUT, "%s is not known here", constants[k]);
-    lets->asked[k] = true;
-    rp_status status = lets->know(lets->host, k, &lets->constants[k]);
-    lets->asked[k] = false;
-    if (!status && isnan(lets->constants[k]))
-        status = rp_fail(RP_BAD_INPUT, "%s is not known here", constants[k]);
-    return status;
+    double *const constant = &lets->constants[k];
+    if (isnan(*constant) && lets->know && !lets->asked[k]) {
+        lets->asked[k] = true;
+        const rp_status status = lets->know(lets->host, k, constant);
+        lets->asked[k] = false;
+        RP_TRY(status);
+    }
+    *value = *constant;
+    return isnan(*value) ? rp_fail(RP_BAD_INPUT, "%s is not known here", constants[k]) : RP_OK;
 }
 
 rp_status rp_lets_find(void *host, const char *name, int n_args, rp_x_symbol *symbol, bool *known)
@@ -27,8 +27,8 @@ rp_status rp_lets_find(void *host, const char *name, int n_args, rp_x_symbol *sy
         if (strcmp(lets->lets[k].name, name) == 0) return *symbol = lets->lets[k].is, *known = true, RP_OK;
     for (rp_let_constant k = 0; k < RP_LET_CONSTANTS; k++) {
         if (strcmp(constants[k], name) != 0) continue;
-        RP_TRY(know(lets, k));
-        *symbol = (rp_x_symbol){.type = RP_X_NUMBER, .known = true, .value = lets->constants[k]};
+        *symbol = (rp_x_symbol){.type = RP_X_NUMBER, .known = true};
+        RP_TRY(rp_lets_constant(lets, k, &symbol->value));
         *known = true;
     }
     return RP_OK;

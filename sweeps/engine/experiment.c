@@ -83,7 +83,7 @@ static rp_status check(const void *params)
 static bool hash(const void *params, XXH128_hash_t *digest)
 {
     exp_plan *plan;
-    char *key = plan_of(params, &plan) ? NULL : exp_key(plan);
+    char *key = plan_of(params, &plan) ? NULL : exp_key(plan, SIZE_MAX);
     if (key) *digest = XXH3_128bits(key, strlen(key));
     free(key);
     exp_free(plan);

@@ -68,8 +68,7 @@ static rp_status read_head(const char *file, const config_setting_t *root,
                        file, names);
     *h = (head){0};
     rp_params_defaults(schema, h);
-    rp_status status = rp_config_group(
-        root, schema, h, (const char *const[]){"fixed", "grid", "derive", "trace", "model", NULL});
+    rp_status status = rp_config_group(root, schema, h, "fixed grid derive trace model");
     rp_units_set((rp_units)h->units);
     if (status) return status;
     const bool text = *h->experiment || protocols[h->protocol]->text;
@@ -510,7 +509,7 @@ rp_status sweep_recipe_read(const char *file, sweep_recipe *recipe)
     if (recipe->has_runs) return RP_OK;
     if (!config_setting_get_member(root, "model"))
         return rp_fail(RP_BAD_INPUT, "%s: neither a protocol nor an experiment nor a model", file);
-    return rp_config_group(root, none, NULL, (const char *const[]){"model", "units", NULL});
+    return rp_config_group(root, none, NULL, "model units");
 }
 
 void sweep_recipe_free(sweep_recipe *recipe)

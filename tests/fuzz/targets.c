@@ -6,6 +6,7 @@
 #include <ftw.h>
 #include <sqlite3.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -82,7 +83,7 @@ static void use_scene(dem_scene *scene)
     fclose(out);
     demand(dem_scene_read("written.cfg", NULL, &again) == RP_OK, "a written scene is refused");
     dem_scene_free(&again);
-    const bool small = scene->has_fill ? scene->fill.N <= 30 : scene->def.n_grains <= 30;
+    const bool small = scene->fills ? scene->fills->N <= 30 : scene->def.n_grains <= 30;
     scene->def.implicit.max_iterations = 20;
     if (small && dem_scene_start(scene, &sim) == RP_OK) (void)!dem_run(sim, 5);
     dem_free(sim);
@@ -106,7 +107,7 @@ static void read_experiment(size_t n, const char bytes[])
     rp_status status = dem_text_open("e.cfg", NULL, NULL, &text);
     if (!status) status = exp_read(&text, &plan);
     if (!status) status = exp_check(plan);
-    if (!status && exp_scene(plan)->has_fill && exp_scene(plan)->fill.N > 200) status = RP_NO_RESULT;
+    if (!status && exp_scene(plan)->fills && exp_scene(plan)->fills->N > 200) status = RP_NO_RESULT;
     if (!status) status = exp_start(plan, 1, 2, &run);
     for (int k = 0; !status && k < 300 && !exp_done(run); k++) status = exp_advance(run, 20);
     demand(status || !exp_done(run) || *exp_ended(run)->status, "an end without a word");

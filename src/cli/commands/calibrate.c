@@ -131,7 +131,7 @@ static rp_status read_measured(problem *s, const config_setting_t *setting, size
     if (!config_setting_is_group(setting))
         return rp_config_fail(setting, "measured: a list ( { ... } ) expected");
     rp_params_defaults(schema, m);
-    RP_TRY(rp_config_group(setting, schema, m, (const char *const[]){"fixed", NULL}));
+    RP_TRY(rp_config_group(setting, schema, m, "fixed"));
     if ((*m->experiment != 0) + (*m->protocol != 0) + (*m->runs != 0) != 1)
         return rp_config_fail(setting, "measured: one of experiment, protocol and runs expected");
     if (*m->runs && values) return rp_config_fail(values, "fixed: a table is as it is");
@@ -189,7 +189,7 @@ static rp_status read_file(problem *s)
     for (const char *const *key = of_measured; *key; key++)
         if (member(root, *key))
             return rp_config_fail(member(root, *key), "%s: belongs to an entry of measured", *key);
-    RP_TRY(rp_config_group(root, schema, s, (const char *const[]){"fit", "measured", "where", NULL}));
+    RP_TRY(rp_config_group(root, schema, s, "fit measured where"));
     RP_TRY(read_fit(s, member(root, "fit")));
     const int n = list && config_setting_is_list(list) ? config_setting_length(list) : 0;
     if (n < 1 || n > STATS_NUMBERS)

@@ -106,7 +106,7 @@ static rp_status check_columns(const making *m, const step *s, const rp_param *s
     return status;
 }
 
-static rp_status read_options(const making *m, step *s, const cli_command *command, const char *const *others)
+static rp_status read_options(const making *m, step *s, const cli_command *command, const char *others)
 {
     cli_options_of(&s->call, command);
     rp_param *schema = schema_of(s);
@@ -157,7 +157,6 @@ static rp_status find_command(const config_setting_t *setting, const cli_command
 
 static rp_status read_derive(making *m, const config_setting_t *setting)
 {
-    static const char *const others[] = {"table", "with", "rows", "of", "stage", NULL};
 #define X(name) " " #name
     static const char allowed[] = CLI_STATS(X) CLI_STRESS(X) CLI_ANGLE(X);
 #undef X
@@ -183,12 +182,11 @@ static rp_status read_derive(making *m, const config_setting_t *setting)
             return rp_config_fail(s->of,
                                   "of: names of sweeps expected, as in [\"lh_size\", \"lh_size_mid\"]");
     if (command->on_table) s->rows = rows ? rows : "runs";
-    return read_options(m, s, command, others);
+    return read_options(m, s, command, "table with rows of stage");
 }
 
 static rp_status read_model(making *m, const config_setting_t *setting)
 {
-    static const char *const others[] = {"table", "with", "folder", NULL};
     const cli_command *const models[] = {&cmd_pile, &cmd_tent, &cmd_continuum, &cmd_lattice, NULL}, *command;
     RP_TRY(check_name(m, setting, text_of(setting, "table")));
     RP_TRY(find_command(setting, (const cli_command *const *const[]){models}, 1,
@@ -197,19 +195,18 @@ static rp_status read_model(making *m, const config_setting_t *setting)
     const config_setting_t *folder = config_setting_get_member(setting, "folder");
     s->folder = folder && config_setting_get_bool(folder);
     if (folder && command != &cmd_pile) return rp_config_fail(folder, "folder: only a pile has one");
-    return read_options(m, s, command, others);
+    return read_options(m, s, command, "table with folder");
 }
 
 static rp_status read_trace(making *m, const config_setting_t *setting)
 {
-    static const char *const others[] = {"rows", NULL};
     const config_setting_t *rows = config_setting_get_member(setting, "rows");
     if (!rows || !config_setting_length(rows))
         return rp_config_fail(setting, "rows: missing (numbers of runs, as in [0, 10])");
     for (int i = 0; i < config_setting_length(rows); i++) {
         const long row = config_setting_get_int_elem(rows, i);
         step *s = add_step(m, setting, rp_text(m->call->arena, "row_%ld", row));
-        RP_TRY(read_options(m, s, &cmd_run, others));
+        RP_TRY(read_options(m, s, &cmd_run, "rows"));
         s->folder = true;
         s->call.lineage = NULL; /* its tables say it themselves */
         s->call.n_arguments = 1;

@@ -77,23 +77,23 @@ static bool is_next(const char *name, const char *after)
 static void print_experiment(bool rows)
 {
     RP_SCOPE(arena);
-    for (const exp_group *g = exp_groups; g->name; g++) {
+    for (const dem_scene_group *g = exp_groups; g->name; g++) {
         if (!rows) printf("# experiment, %s: %s\n", g->name, g->manual);
         print_schema(rows, "experiment", g->name, g->schema);
     }
-    exp_group m;
-    for (size_t k = 0; (m = exp_module_at(k)).name; k++) {
+    for (const exp_module *const *at = exp_modules; *at; at++) {
+        const exp_module *const m = *at;
         if (!rows)
             printf("# experiment, measure of = \"%s\": %s; a column is the measure's name with one of\n",
-                   m.name, m.manual);
-        for (const exp_output *o = m.outputs; o->name && !rows; o++) {
+                   m->name, m->about);
+        for (const exp_output *o = m->outputs; o->name && !rows; o++) {
             const exp_output *first = o;
             while (is_next(o->name, o[1].name)) o++;
             printf("#   %-25s %-10s %s\n",
                    o == first ? o->name : rp_text(&arena, "%s to %s", first->name, o->name),
                    shown(first->unit), first->meaning);
         }
-        print_schema(rows, "experiment", m.name, m.schema);
+        print_schema(rows, "experiment", m->name, m->schema);
     }
     if (!rows)
         printf("# experiment, what expressions may ask for, besides lets and earlier measures: %s\n# %-25s "

@@ -337,7 +337,7 @@ static void write_measures(const scene_run *r, FILE *out)
     uint64_t digest;
     if (r->sim && !dem_digest(r->sim, &digest))
         rp_table_note(out, "digest", "%016" PRIx64 " of the grains' places, velocities and forces", digest);
-    const rp_lets *lets = exp_lets(r->phases);
+    const rp_lets *lets = &r->text.lets;
     for (size_t k = 0; k < lets->n; k++) {
         char key[80];
         const rp_x_symbol *is = &lets->lets[k].is;
@@ -377,8 +377,7 @@ static rp_status open_result(const scene_run *r, const char *name, const char **
 static rp_status state_of(const scene_run *r, size_t k, char owner[33], const char **name)
 {
     *name = rp_text(r->of.call.arena, "end_%s.state", exp_kept_name(r->phases, k));
-    return exp_kept_key(r->phases, k, (unsigned long)r->scene.fill.seed, (unsigned long)r->scene.fill.run,
-                        owner);
+    return exp_kept_key(r->phases, k, (unsigned long)r->scene.seed, (unsigned long)r->scene.run, owner);
 }
 
 static rp_status write_results(const scene_run *r)
@@ -524,7 +523,7 @@ static rp_status hash_scene(const scene_run *r, XXH128_hash_t *hash)
     any.steps = 0;
     FILE *out = open_memstream(&text, &size);
     if (!out) return rp_fail(RP_NO_MEMORY, "scene: out of memory");
-    char *key = r->phases ? exp_key(r->phases) : NULL;
+    char *key = r->phases ? exp_key(r->phases, SIZE_MAX) : NULL;
     if (key) fputs(key, out);
     free(key);
     dem_scene_write(&any, out);
@@ -586,8 +585,7 @@ static void name_run(const char *path, scene_run *r)
 static rp_status start(scene_run *r)
 {
     if (!r->phases) return dem_scene_start(&r->scene, &r->sim);
-    RP_TRY(
-        exp_start(r->phases, (unsigned long)r->scene.fill.seed, (unsigned long)r->scene.fill.run, &r->exp));
+    RP_TRY(exp_start(r->phases, (unsigned long)r->scene.seed, (unsigned long)r->scene.run, &r->exp));
     r->sim = exp_sim(r->exp);
     return r->sim ? RP_OK : rp_fail(RP_NO_RESULT, "%s", exp_ended(r->exp)->message);
 }
@@ -646,14 +644,14 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
     name_run(path, &r);
     snprintf(r.line, sizeof r.line, "%s", call->line);
     bool cut = false;
-    r.scene.fill.cut = &cut;
+    r.scene.cut = &cut;
     const rp_status status = start(&r);
     if (status == RP_BAD_INPUT && !r.phases) rp_prefix(status, "%s: ", path);
     dem_counts now = {0};
     if (!status) dem_count_work(r.sim, &now);
     if (cut)
         r.of.start = "walls cut the region; grains lie in its largest part alone";
-    else if (r.scene.from_table && now.contacts > 0 && !r.scene.def.n_contacts &&
+    else if (*r.scene.particles_file && now.contacts > 0 && !r.scene.def.n_contacts &&
              dem_has_spring(r.scene.def.tangential))
         r.of.start = "grains touch, and their shear springs begin at 0; a bed at rest needs contacts_file";
     if (!status && *o->from) RP_TRY(begin_from(path, &r));

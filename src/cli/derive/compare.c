@@ -62,11 +62,6 @@ static void print_comparison(rp_arena *arena, double mu, const ang_comparison *c
     rp_table_row_word(stdout, N_OF(v), v, rp_text(arena, "%s\t%s", failed, ang_tilt_words[worst]));
 }
 
-static void free_random(void *rng)
-{
-    gsl_rng_free(rng);
-}
-
 static rp_status compare_table(cli_call *call, rp_table *table, const void *values)
 {
     const compare_options *o = values;
@@ -74,8 +69,7 @@ static rp_status compare_table(cli_call *call, rp_table *table, const void *valu
     RP_TRY(rp_rows_read(call->arena, table, "mu,theta_r3_deg,theta_t_displacement_deg",
                         &(rp_choice){.grouped = true}, &piles));
     for (size_t i = 0; i < piles.n; i++) piles.column[1][i] *= deg, piles.column[2][i] *= deg;
-    gsl_rng *rng = rp_arena_keep(
-        call->arena, rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP), free_random);
+    gsl_rng *rng = rp_random_in(call->arena, (unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
     cli_table(call, stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu left out", piles.n, table->n_rows - piles.n);
     print_compare_header();

@@ -6,17 +6,6 @@
 #include "params/config.h"
 #include "params/settings.h"
 
-/* What a scene file says, before defaults that depend on one another are filled in. */
-typedef struct {
-    dem_scene scene;
-    dem_physics physics;
-    bool has_density; /* given, no default */
-    double x_min, y_min, turn_deg, box_turn_deg;
-    int units;
-    const char *particles_file, *contacts_file;
-    long particles_step; /* -1: the last */
-} dem_scene_file;
-
 /* What it says of a wall: one wall, or a polygon or circle of several. */
 typedef struct {
     dem_wall line;
@@ -44,9 +33,8 @@ static inline double dem_lower_end(double end)
     return isinf(end) ? -end : end;
 }
 
-/* Read those keys ("a b") of a group that stand there, before the group is read: others may be written with
- * them. */
-rp_status dem_peek(const config_setting_t *group, const rp_param *schema, const char *keys, void *values);
+/* Put the ends of laws into a definition. */
+void dem_ends_apply(const dem_scene_laws *laws, dem_definition *def);
 
 /* Is a group there, or left out by its condition? */
 rp_status dem_is_wanted(const config_setting_t *group, bool *wanted);
@@ -59,11 +47,11 @@ rp_status dem_read_points(rp_arena *arena, const config_setting_t *list, size_t 
                           double **points);
 
 /* The groups of the contacts' parameters that stand in a text, over those that are there. */
-rp_status dem_read_physics(const config_setting_t *root, dem_scene_file *file, dem_definition *def);
+rp_status dem_read_physics(const config_setting_t *root, dem_scene *scene);
 
 rp_status dem_read_walls(const config_setting_t *root, dem_scene *scene);
-rp_status dem_read_fills(const config_setting_t *fill, dem_scene_file *file);
-rp_status dem_read_grains(const char *path, const config_setting_t *root, dem_scene_file *file);
+rp_status dem_read_fills(const config_setting_t *fill, dem_scene *scene);
+rp_status dem_read_grains(const char *path, const config_setting_t *root, dem_scene *scene);
 
 /* The first fill that is there, and the first group `add` of phases; NULL: none. What tells the radii and the
  * density of a fill. */
@@ -71,7 +59,7 @@ rp_status dem_first_fill(const config_setting_t *root, const config_setting_t **
 const config_setting_t *dem_first_add(const config_setting_t *phases);
 rp_status dem_peek_radii(rp_arena *arena, const config_setting_t *group, dem_fill *fill);
 
-/* What d, m, g and dt are in a file's expressions, and dt_limit; the host is the dem_text. */
+/* What d, m, g and dt are in a file's expressions, and dt_limit; for lets whose host is the dem_text. */
 rp_status dem_know(void *host, rp_let_constant which, double *value);
 rp_status dem_call(void *host, const char *name, int n, const double args[], double *value, bool *known);
 

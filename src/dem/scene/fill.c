@@ -1,6 +1,5 @@
 /* Filling: at random without overlap (random sequential addition), found through square cells; in rows. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "core/elementary.h"
 #include "core/random.h"
@@ -86,14 +85,16 @@ static long top_of(long *up, long k)
     return k;
 }
 
-static rp_status find_space(const dem_fill *f, double r_min, space *s)
+static rp_status find_space(const dem_fill *f, double r_min, rp_arena *memory, space *s)
 {
+    long *up, *size;
     *s = (space){.h = 0.8 * r_min};
     if (f->n_walls == 0 || !((f->W / s->h + 1.0) * (f->H / s->h + 1.0) < MOST_NODES)) return RP_OK;
     s->nx = (long)(f->W / s->h) + 1;
     const long n = s->nx * ((long)(f->H / s->h) + 1);
-    long *up = s->up = malloc((size_t)n * sizeof *up), *size = calloc((size_t)n, sizeof *size);
-    if (!up || !size) return free(size), rp_fail(RP_NO_MEMORY, "filling: out of memory");
+    RP_NEW(memory, up, (size_t)n);
+    RP_NEW(memory, size, (size_t)n);
+    s->up = up;
     for (long k = 0; k < n; k++) {
         const double x = f->x0 + s->h * (double)(k % s->nx), y = f->y0 + s->h * (double)(k / s->nx);
         up[k] = is_clear(f, x, y, 0.42 * r_min) ? k : -1;
@@ -102,7 +103,6 @@ static rp_status find_space(const dem_fill *f, double r_min, space *s)
     }
     for (long k = 0; k < n; k++)
         if (up[k] >= 0 && ++size[top_of(up, k)] > size[s->largest]) s->largest = top_of(up, k);
-    free(size);
     return RP_OK;
 }
 
@@ -166,47 +166,35 @@ static rp_status place_all(const dem_fill *f, const space *s, cells *c, gsl_rng 
     return RP_OK;
 }
 
-/* A stream of this fill: its own, or one that goes on when it is filled. */
-static gsl_rng *stream_of(const dem_fill *f, rp_purpose purpose)
+/* A stream of this fill: its own, which ends with the memory, or one that goes on when it is filled. */
+static gsl_rng *stream_of(const dem_fill *f, rp_purpose purpose, rp_arena *memory)
 {
-    if (f->streams[purpose == RP_PURPOSE_PLACES]) return f->streams[purpose == RP_PURPOSE_PLACES];
-    const long of =
-        f->number == 0 ? purpose : RP_PURPOSE_FILLS + 2 * (f->number - 1) + (purpose == RP_PURPOSE_PLACES);
-    return rp_random_alloc((unsigned long)f->seed, (unsigned long)f->run, (rp_purpose)of);
-}
-
-static void end_stream(const dem_fill *f, gsl_rng *stream)
-{
-    if (stream && stream != f->streams[0] && stream != f->streams[1]) gsl_rng_free(stream);
+    const bool places = purpose == RP_PURPOSE_PLACES;
+    const long of = f->number == 0 ? purpose : RP_PURPOSE_FILLS + 2 * (f->number - 1) + places;
+    return f->streams[places]
+               ? f->streams[places]
+               : rp_random_in(memory, (unsigned long)f->seed, (unsigned long)f->run, (rp_purpose)of);
 }
 
 rp_status dem_fill_place(const dem_fill *fill, dem_grain *grains)
 {
+    RP_SCOPE(memory);
+    gsl_rng *const places = stream_of(fill, RP_PURPOSE_PLACES, &memory);
+    space s;
     double r_max = 0.0, r_min = INFINITY;
     for (long i = 0; i < fill->N; i++) r_max = fmax(r_max, grains[i].r), r_min = fmin(r_min, grains[i].r);
     for (size_t i = 1; i <= fill->n_there; i++) r_max = fmax(r_max, grains[-(long)i].r);
-    space s = {0};
     /* no more than some four cells a grain, however large the region */
     const double most = 2.0 * sqrt((double)fill->N) + 8.0;
     cells c = {.size = fmax(2.0 * r_max, fmax(fill->W, fill->H) / most)};
     c.nx = (long)(fill->W / c.size) + 1;
     c.ny = (long)(fill->H / c.size) + 1;
-    c.head = malloc((size_t)(c.nx * c.ny) * sizeof *c.head);
-    c.next = malloc(((size_t)fill->N + fill->n_there + 1) * sizeof *c.next);
-    gsl_rng *places = stream_of(fill, RP_PURPOSE_PLACES);
-    rp_status status = RP_NO_MEMORY;
-    if (c.head && c.next && places) {
-        for (long k = 0; k < c.nx * c.ny; k++) c.head[k] = -1;
-        status = find_space(fill, r_min, &s);
-        if (!status) status = place_all(fill, &s, &c, places, grains);
-    } else {
-        rp_fail(status, "filling: out of memory");
-    }
-    free(c.head);
-    free(c.next);
-    free(s.up);
-    end_stream(fill, places);
-    return status;
+    RP_NEW(&memory, c.head, (size_t)(c.nx * c.ny));
+    RP_NEW(&memory, c.next, (size_t)fill->N + fill->n_there);
+    for (long k = 0; k < c.nx * c.ny; k++) c.head[k] = -1;
+    if (!places) return RP_NO_MEMORY;
+    RP_TRY(find_space(fill, r_min, &memory, &s));
+    return place_all(fill, &s, &c, places, grains);
 }
 
 /* From left to right, each on y0 and touching the last: (r + r')^2 = dx^2 + (r - r')^2. */
@@ -259,6 +247,7 @@ static rp_status place_rows(const dem_fill *f, gsl_rng *radii, dem_grain *grains
 {
     const size_t most = dem_fill_most(f);
     const double overlap = f->spacing > 0.0 ? DEM_SPACING_OVERLAP : 1e-9;
+    const char *const pattern = f->pattern == DEM_PATTERN_ROW ? "row" : "lattice";
     *n = f->pattern == DEM_PATTERN_ROW ? place_row(f, radii, most, grains)
                                        : place_lattice(f, radii, most, grains);
     if (f->N >= 0 && *n < most) return no_room(f, (long)*n, dem_radius_mean(f));
@@ -269,13 +258,13 @@ static rp_status place_rows(const dem_fill *f, gsl_rng *radii, dem_grain *grains
         const dem_grain *g = &grains[i];
         if (!f->fixed && !is_clear(f, g->x, g->y, (1.0 - overlap) * g->r))
             return rp_fail(RP_NO_RESULT, "grain %zu of a %s, at x = %g, y = %g, touches a wall", i + 1,
-                           f->pattern == DEM_PATTERN_ROW ? "row" : "lattice", g->x, g->y);
+                           pattern, g->x, g->y);
         for (size_t k = 1; k <= f->n_there; k++) {
             const dem_grain *b = &grains[-(long)k];
             if (rp_hypot(b->x - g->x, b->y - g->y) < (b->r + g->r) * (1.0 - overlap))
                 return rp_fail(RP_NO_RESULT,
                                "grain %zu of a %s, at x = %g, y = %g, touches one that is there", i + 1,
-                               f->pattern == DEM_PATTERN_ROW ? "row" : "lattice", g->x, g->y);
+                               pattern, g->x, g->y);
         }
     }
     return RP_OK;
@@ -283,14 +272,11 @@ static rp_status place_rows(const dem_fill *f, gsl_rng *radii, dem_grain *grains
 
 rp_status dem_fill_grains(const dem_fill *f, dem_grain *grains, size_t *n)
 {
-    gsl_rng *radii = stream_of(f, RP_PURPOSE_RADII);
-    rp_status status = RP_OK;
-    if (!radii) return rp_fail(RP_NO_MEMORY, "filling: out of memory");
+    RP_SCOPE(memory);
+    gsl_rng *const radii = stream_of(f, RP_PURPOSE_RADII, &memory);
+    if (!radii) return RP_NO_MEMORY;
     *n = (size_t)f->N;
-    if (f->pattern != DEM_PATTERN_RANDOM)
-        status = place_rows(f, radii, grains, n);
-    else
-        for (long i = 0; i < f->N; i++) grains[i].r = dem_radius_draw(f, radii);
-    end_stream(f, radii);
-    return f->pattern == DEM_PATTERN_RANDOM ? dem_fill_place(f, grains) : status;
+    if (f->pattern != DEM_PATTERN_RANDOM) return place_rows(f, radii, grains, n);
+    for (long i = 0; i < f->N; i++) grains[i].r = dem_radius_draw(f, radii);
+    return dem_fill_place(f, grains);
 }

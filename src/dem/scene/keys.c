@@ -8,39 +8,38 @@
 #include "params/units.h"
 
 #define AT(type, field) offsetof(type, field)
-#define OF_TOP(...)     DEM_KEY_ROW(dem_scene_file, physics., __VA_ARGS__)
+#define OF_TOP(...)     DEM_KEY_ROW(dem_scene, laws.physics., __VA_ARGS__)
 #define ROW(...)        DEM_KEY_ROW(dem_physics, , __VA_ARGS__)
 
 static const rp_param top_schema[] = {
-    DEM_GRAIN_PARAMS(OF_TOP){"steps", "", RP_INT, AT(dem_scene_file, scene.steps), "20000", "[0, 2147483647]",
+    DEM_GRAIN_PARAMS(OF_TOP){"steps", "", RP_INT, AT(dem_scene, steps), "20000", "[0, 2147483647]",
                              "how many steps to run"},
-    {"units", "", RP_CHOICE, AT(dem_scene_file, units), "cgs", RP_UNITS_WORDS,
+    {"units", "", RP_CHOICE, AT(dem_scene, units), "cgs", RP_UNITS_WORDS,
      "of the numbers here and of the tables; defaults are converted. sigma: diameter sigma and mass m of "
      "the default grain, and g"},
-    {"skin", "cm", RP_REAL, AT(dem_scene_file, scene.def.skin), "auto", "(0, inf) | auto",
-     "of the neighbour list"},
-    {"x_min", "cm", RP_REAL, AT(dem_scene_file, x_min), "none", "(-inf, inf) | none",
+    {"skin", "cm", RP_REAL, AT(dem_scene, def.skin), "auto", "(0, inf) | auto", "of the neighbour list"},
+    {"x_min", "cm", RP_REAL, AT(dem_scene, laws.x_min), "none", "(-inf, inf) | none",
      "a grain whose centre passes it to the left, in the box's frame, is taken out"},
-    {"x_max", "cm", RP_REAL, AT(dem_scene_file, scene.def.x_max), "none", "(-inf, inf) | none",
+    {"x_max", "cm", RP_REAL, AT(dem_scene, laws.x_max), "none", "(-inf, inf) | none",
      "a grain whose centre passes it to the right, in the box's frame, is taken out"},
-    {"y_min", "cm", RP_REAL, AT(dem_scene_file, y_min), "none", "(-inf, inf) | none",
+    {"y_min", "cm", RP_REAL, AT(dem_scene, laws.y_min), "none", "(-inf, inf) | none",
      "a grain whose centre sinks below it, in the box's frame, is taken out"},
-    {"gravity_turn_deg_per_step", "degree", RP_REAL, AT(dem_scene_file, turn_deg), "0.0", "[-10, 10]",
+    {"gravity_turn_deg_per_step", "degree", RP_REAL, AT(dem_scene, turn_deg), "0.0", "[-10, 10]",
      "gravity's turn a step; positive lowers the side at +x"},
-    {"box_turn_deg_per_step", "degree", RP_REAL, AT(dem_scene_file, box_turn_deg), "0.0", "[-10, 10]",
+    {"box_turn_deg_per_step", "degree", RP_REAL, AT(dem_scene, box_turn_deg), "0.0", "[-10, 10]",
      "the walls' turn a step, about the origin; positive lowers the side at +x"},
-    {"turn_from_step", "", RP_INT, AT(dem_scene_file, scene.def.turn_from_step), "0", "[0, 2147483647]",
+    {"turn_from_step", "", RP_INT, AT(dem_scene, def.turn_from_step), "0", "[0, 2147483647]",
      "first step at which gravity or the box turns"},
-    {"kernel", "", RP_CHOICE, AT(dem_scene_file, scene.def.kernel), "fast", DEM_WORDS(DEM_KERNEL_LIST),
+    {"kernel", "", RP_CHOICE, AT(dem_scene, def.kernel), "fast", DEM_WORDS(DEM_KERNEL_LIST),
      "instances of the loops, with the same bits", .manual = DEM_MANUALS(DEM_KERNEL_LIST)},
-    {"ledger", "", RP_BOOL, AT(dem_scene_file, scene.def.ledger), "false", "",
+    {"ledger", "", RP_BOOL, AT(dem_scene, def.ledger), "false", "",
      "whether to keep the energy ledger, which `repose run -o` writes with the energies; slower, the same "
      "bits"},
-    {"particles_file", "", RP_TEXT, AT(dem_scene_file, particles_file), "", "",
+    {"particles_file", "", RP_TEXT, AT(dem_scene, particles_file), "", "",
      "table with columns x y r and, if wanted, m vx vy angle omega fixed; instead of `particles`"},
-    {"particles_step", "", RP_INT, AT(dem_scene_file, particles_step), "last", "[0, 2147483647] | last",
+    {"particles_step", "", RP_INT, AT(dem_scene, particles_step), "last", "[0, 2147483647] | last",
      "step of the table, which may have several"},
-    {"contacts_file", "", RP_TEXT, AT(dem_scene_file, contacts_file), "", "",
+    {"contacts_file", "", RP_TEXT, AT(dem_scene, contacts_file), "", "",
      "table contacts.tsv beside the states.tsv of `particles_file`, whose springs then go on; without it "
      "they begin at 0, and a bed at rest moves"},
     {0}};
@@ -50,11 +49,11 @@ static const rp_param tangential_schema[] = {DEM_TANGENTIAL_PARAMS(ROW){0}};
 static const rp_param rolling_schema[] = {DEM_ROLLING_PARAMS(ROW){0}};
 
 static const rp_param material_schema[] = {
-    {"E", "dyn/cm^2", RP_REAL, AT(dem_scene_file, scene.E), NULL, "(0, inf)", "Young's modulus"},
-    {"nu", "", RP_REAL, AT(dem_scene_file, scene.nu), NULL, "[0, 0.5]", "Poisson's ratio"},
-    {"restitution", "", RP_REAL, AT(dem_scene_file, physics.restitution), NULL, "(0, 1]",
+    {"E", "dyn/cm^2", RP_REAL, AT(dem_scene, E), NULL, "(0, inf)", "Young's modulus"},
+    {"nu", "", RP_REAL, AT(dem_scene, nu), NULL, "[0, 0.5]", "Poisson's ratio"},
+    {"restitution", "", RP_REAL, AT(dem_scene, laws.physics.restitution), NULL, "(0, 1]",
      "of impacts of all speeds"},
-    {"mu", "", RP_REAL, AT(dem_scene_file, physics.mu), NULL, "[0, inf) | infinite",
+    {"mu", "", RP_REAL, AT(dem_scene, laws.physics.mu), NULL, "[0, inf) | infinite",
      "coefficient of friction"},
     {0}};
 
@@ -195,21 +194,11 @@ const dem_scene_group dem_scene_schemas[] = {
      "polygon = ( [x, y], ... ) that the centres lie in, of the region"},
     {0}};
 
-rp_status dem_peek(const config_setting_t *group, const rp_param *schema, const char *keys, void *values)
-{
-    for (; schema->name; schema++) {
-        const config_setting_t *setting =
-            rp_word_index(keys, schema->name) >= 0 ? member(group, schema->name) : NULL;
-        if (setting) RP_TRY(rp_config_value(setting, schema, values));
-    }
-    return RP_OK;
-}
-
 rp_status dem_is_wanted(const config_setting_t *group, bool *wanted)
 {
     static const rp_param condition[] = {{"if", "", RP_BOOL, 0, NULL, "", "whether the group is there"}, {0}};
     *wanted = true;
-    return config_setting_is_group(group) ? dem_peek(group, condition, "if", wanted) : RP_OK;
+    return config_setting_is_group(group) ? rp_config_peek(group, condition, "if", wanted) : RP_OK;
 }
 
 rp_status dem_read_name(rp_arena *arena, const config_setting_t *setting, const char *key, const char **name)

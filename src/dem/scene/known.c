@@ -8,42 +8,40 @@
 #include "dem/scene/radii.h"
 #include "params/units.h"
 
-static void end_file(dem_scene_file *file)
+static void end_scene(dem_scene *scene)
 {
-    rp_arena_end(&file->scene.arena);
+    rp_arena_end(&scene->arena);
 }
 
-/* A file at its defaults, of which parts are read; it ends with the block. */
-#define PART_OF_FILE(name)                                                                                   \
-    RP_ENDS(end_file) dem_scene_file name = {.scene = {.def = dem_definition_default()}};                    \
+/* A scene at its defaults, of which parts are read; it ends with the block. */
+#define PART_OF_SCENE(name)                                                                                  \
+    RP_ENDS(end_scene) dem_scene name = {.def = dem_definition_default()};                                   \
     rp_params_defaults(SCHEMA(TOP), &name)
 
-/* Radius of the mean grain of the first fill, of the particles, or of what a phase adds first, 0: unknown;
- * shape and density of all are put into the file. *least: the smallest radius of that fill, else the mean. */
-static rp_status mean_grain(const config_setting_t *root, const char *keys, dem_scene_file *file,
-                            double *mean, double *least)
+/* Radius of the mean grain, of a fill if wanted the `least`: of the first fill, of the particles, or of what
+ * a phase adds first, 0: unknown; shape and density of all are put into the scene. */
+static rp_status mean_grain(const config_setting_t *root, const char *keys, dem_scene *scene, bool least,
+                            double *r)
 {
     const config_setting_t *list = member(root, "particles"), *add = dem_first_add(member(root, "phases")),
                            *fill;
     dem_grain grain = {0};
     dem_fill radii;
-    *mean = *least = 0.0;
-    RP_TRY(dem_peek(root, SCHEMA(TOP), keys, file));
+    *r = 0.0;
+    RP_TRY(rp_config_peek(root, SCHEMA(TOP), keys, scene));
     RP_TRY(dem_first_fill(root, &fill));
     if (!fill && !list && add && member(add, "r")) {
-        RP_TRY(dem_peek(add, SCHEMA(PARTICLES), "r", &grain));
-        *mean = grain.r;
+        RP_TRY(rp_config_peek(add, SCHEMA(PARTICLES), "r", &grain));
+        *r = grain.r;
     } else if (fill || (!list && add)) {
-        RP_TRY(dem_peek_radii(&file->scene.arena, fill ? fill : add, &radii));
-        *mean = dem_radius_mean(&radii);
-        *least = fill ? dem_radius_least(&radii) : 0.0;
-        if (radii.density > 0.0) file->physics.density = radii.density;
+        RP_TRY(dem_peek_radii(&scene->arena, fill ? fill : add, &radii));
+        *r = fill && least ? dem_radius_least(&radii) : dem_radius_mean(&radii);
+        if (radii.density > 0.0) scene->laws.physics.density = radii.density;
     }
     for (size_t i = 0; !fill && i < length(list); i++, grain.r = 0.0) {
-        RP_TRY(dem_peek(element(list, i), SCHEMA(PARTICLES), "r", &grain));
-        *mean += grain.r / (double)length(list);
+        RP_TRY(rp_config_peek(element(list, i), SCHEMA(PARTICLES), "r", &grain));
+        *r += grain.r / (double)length(list);
     }
-    if (!fill) *least = *mean;
     return RP_OK;
 }
 
@@ -55,7 +53,7 @@ static rp_status mean_mass(const config_setting_t *list, double *m)
     double sum = 0.0;
     for (size_t i = 0; i < length(list); i++) {
         dem_grain grain = {.m = one};
-        RP_TRY(dem_peek(element(list, i), SCHEMA(PARTICLES), "m", &grain));
+        RP_TRY(rp_config_peek(element(list, i), SCHEMA(PARTICLES), "m", &grain));
         sum += grain.m > 0.0 ? grain.m : one;
     }
     if (length(list) > 0) *m = sum / (double)length(list);
@@ -65,44 +63,44 @@ static rp_status mean_mass(const config_setting_t *list, double *m)
 rp_status dem_know(void *host, rp_let_constant which, double *value)
 {
     const config_setting_t *root = config_root_setting(&((dem_text *)host)->config), *fill,
-                           *gravity = member(root, "gravity"), *list = member(root, "particles");
-    PART_OF_FILE(file);
-    double r, least, g[2] = {0.0, rp_units_value("cm/s^2", file.scene.def.gravity[1])};
+                           *gravity = member(root, "gravity");
+    PART_OF_SCENE(scene);
+    double r, g[2] = {0.0, rp_units_value("cm/s^2", scene.def.gravity[1])};
     if (which == RP_LET_DT) {
-        RP_TRY(dem_peek(root, SCHEMA(TOP), "dt", &file));
-        return *value = file.physics.dt, RP_OK;
+        RP_TRY(rp_config_peek(root, SCHEMA(TOP), "dt", &scene));
+        return *value = scene.laws.physics.dt, RP_OK;
     }
     if (which == RP_LET_G) {
         if (gravity) RP_TRY(rp_config_pair(gravity, g));
         return *value = rp_hypot(g[0], g[1]), RP_OK;
     }
-    RP_TRY(mean_grain(root, which == RP_LET_M ? "shape density" : "shape", &file, &r, &least));
+    RP_TRY(mean_grain(root, which == RP_LET_M ? "shape density" : "shape", &scene, false, &r));
     if (!(r > 0.0)) return RP_OK;
-    *value = which == RP_LET_D ? 2.0 * r : dem_mass(file.physics.shape, file.physics.density, r);
+    *value = which == RP_LET_D ? 2.0 * r : dem_mass(scene.laws.physics.shape, scene.laws.physics.density, r);
     RP_TRY(dem_first_fill(root, &fill));
-    return which == RP_LET_M && !fill && list && config_setting_is_list(list) ? mean_mass(list, value)
-                                                                              : RP_OK;
+    return which == RP_LET_M && !fill ? mean_mass(member(root, "particles"), value) : RP_OK;
 }
 
 /* dt_limit(v, r): the largest time step of this file for impacts at v of grains of radius r, by default the
  * smallest of its first fill; the fall from any height aside. */
 rp_status dem_call(void *host, const char *name, int n, const double args[], double *value, bool *known)
 {
-    const config_setting_t *root = config_root_setting(&((dem_text *)host)->config);
-    PART_OF_FILE(file);
-    dem_definition *def = &file.scene.def;
-    double mean, r;
+    const dem_text *text = ((rp_lets *)host)->host;
+    const config_setting_t *root = config_root_setting(&text->config);
+    PART_OF_SCENE(scene);
+    dem_definition *def = &scene.def;
+    double r;
     if (strcmp(name, "dt_limit") != 0) return RP_OK;
     if (n < 1 || n > 2 || !(args[0] >= 0.0) || isinf(args[0]) || (n == 2 && !(args[1] > 0.0)))
         return rp_fail(RP_BAD_INPUT, "dt_limit: a speed and, if wanted, a radius expected");
-    RP_TRY(dem_peek(root, SCHEMA(TOP), "rotation integrator shape density", &file));
-    for (int k = NORMAL; k <= ROLLING; k++) rp_params_defaults(SCHEMA(k), &file.physics);
-    RP_TRY(dem_read_physics(root, &file, def));
-    RP_TRY(dem_read_walls(root, &file.scene));
-    RP_TRY(mean_grain(root, "", &file, &mean, &r));
+    RP_TRY(rp_config_peek(root, SCHEMA(TOP), "rotation integrator shape density", &scene));
+    for (int k = NORMAL; k <= ROLLING; k++) rp_params_defaults(SCHEMA(k), &scene.laws.physics);
+    RP_TRY(dem_read_physics(root, &scene));
+    RP_TRY(dem_read_walls(root, &scene));
+    RP_TRY(mean_grain(root, "", &scene, true, &r));
     if (n == 2) r = args[1];
     if (!(r > 0.0)) return rp_fail(RP_BAD_INPUT, "dt_limit: no grains are known here");
-    const double m = dem_mass(file.physics.shape, file.physics.density, r);
+    const double m = dem_mass(scene.laws.physics.shape, scene.laws.physics.density, r);
     const dem_grain two[2] = {{.r = r, .m = m, .vx = 0.5 * args[0]}, {.x = 3.0 * r, .r = r, .m = m}};
     def->grains = two, def->n_grains = 2;
     def->gravity[0] = def->gravity[1] = 0.0;

@@ -19,7 +19,7 @@ static rp_status read_radii(rp_arena *arena, const config_setting_t *group, dem_
     return RP_OK;
 }
 
-rp_status dem_text_radii(rp_arena *arena, const config_setting_t *group, const char *const others[],
+rp_status dem_text_radii(rp_arena *arena, const config_setting_t *group, const char *others,
                          const dem_fill *as, dem_fill *radii)
 {
     bool given = member(group, "radii") != NULL;
@@ -36,17 +36,18 @@ rp_status dem_peek_radii(rp_arena *arena, const config_setting_t *group, dem_fil
 {
     *fill = (dem_fill){0};
     rp_params_defaults(SCHEMA(FILL), fill);
-    RP_TRY(dem_peek(group, SCHEMA(FILL),
-                    "radius_mean radius_width radius_min radius_max radius_law by density", fill));
+    RP_TRY(rp_config_peek(group, SCHEMA(FILL),
+                          "radius_mean radius_width radius_min radius_max radius_law by density", fill));
     RP_TRY(read_radii(arena, group, fill));
     return fill->law == DEM_RADII_TABLE ? dem_radii_check(fill) : RP_OK;
 }
 
-static rp_status check_fill(const config_setting_t *group, const dem_scene_file *file, const dem_fill *f)
+static rp_status check_fill(const config_setting_t *group, const dem_scene *scene, const dem_fill *f)
 {
     char pattern[16];
     rp_status status = dem_radii_check(f);
-    if (!status && f->density < 0.0) status = dem_density_check(file->physics.shape, file->has_density);
+    if (!status && f->density < 0.0)
+        status = dem_density_check(scene->laws.physics.shape, scene->has_density);
     if (status) return rp_config_fail(group, "%s", rp_message());
     if (f->N < 0 && f->pattern == DEM_PATTERN_RANDOM)
         return rp_config_fail(group, "N: missing (number of grains)");
@@ -61,21 +62,20 @@ static rp_status check_fill(const config_setting_t *group, const dem_scene_file 
     return RP_OK;
 }
 
-static rp_status read_fill(const config_setting_t *group, dem_scene_file *file, dem_fill *f)
+static rp_status read_fill(const config_setting_t *group, dem_scene *scene, dem_fill *f)
 {
-    static const char *const others[] = {"radii", "polygon", "if", NULL};
-    rp_arena *arena = &file->scene.arena;
+    rp_arena *arena = &scene->arena;
     const config_setting_t *polygon = member(group, "polygon");
     double *corners = NULL;
     rp_params_defaults(SCHEMA(FILL), f);
-    RP_TRY(rp_config_group(group, SCHEMA(FILL), f, others));
+    RP_TRY(rp_config_group(group, SCHEMA(FILL), f, "radii polygon if"));
     RP_TRY(read_radii(arena, group, f));
     if (polygon) RP_TRY(dem_read_points(arena, polygon, 3, &f->n_corners, &corners));
     f->corners = corners;
-    RP_TRY(check_fill(group, file, f));
+    RP_TRY(check_fill(group, scene, f));
     RP_TRY(dem_read_name(arena, group, "kind", &f->kind));
-    f->shape = file->physics.shape;
-    if (f->density < 0.0) f->density = file->physics.density;
+    f->shape = scene->laws.physics.shape;
+    if (f->density < 0.0) f->density = scene->laws.physics.density;
     if (f->H < 0.0) f->H = INFINITY;
     return RP_OK;
 }
@@ -98,23 +98,22 @@ rp_status dem_first_fill(const config_setting_t *root, const config_setting_t **
     return RP_OK;
 }
 
-rp_status dem_read_fills(const config_setting_t *fill, dem_scene_file *file)
+rp_status dem_read_fills(const config_setting_t *fill, dem_scene *scene)
 {
-    dem_scene *scene = &file->scene;
     const config_setting_t *group;
+    dem_fill *fills;
     bool wanted;
     if (!fill_at(fill, 0))
         return rp_config_fail(fill, "fill: a group { ... }, or a list of one or more, expected");
-    RP_NEW(&scene->arena, scene->more, config_setting_is_list(fill) ? length(fill) : 1);
+    RP_NEW(&scene->arena, fills, config_setting_is_list(fill) ? length(fill) : 1);
     for (size_t k = 0; (group = fill_at(fill, k)); k++) {
         if (!config_setting_is_group(group)) return rp_config_fail(group, "fill: a group { ... } expected");
         RP_TRY(dem_is_wanted(group, &wanted));
         if (!wanted) continue;
-        const size_t there = scene->has_fill ? ++scene->n_more : 0;
-        scene->has_fill = true;
-        dem_fill *f = dem_scene_fill_at(scene, there);
-        RP_TRY(read_fill(group, file, f));
-        f->number = (long)there;
+        scene->fills = fills;
+        RP_TRY(read_fill(group, scene, &fills[scene->n_fills]));
+        fills[scene->n_fills].number = (long)scene->n_fills;
+        scene->n_fills++;
     }
     return RP_OK;
 }

@@ -19,38 +19,43 @@ static rp_status alloc_grains(dem_scene *scene, size_t n)
     return RP_OK;
 }
 
-static rp_status mass_of(const dem_scene_file *file, double r, double *m)
+/* Grain i of the list is there, with or without a mass. */
+static rp_status add_grain(const dem_scene *scene, size_t i, size_t line)
 {
-    *m = dem_mass(file->physics.shape, file->physics.density, r);
-    return dem_density_check(file->physics.shape, file->has_density);
+    const dem_physics *all = &scene->laws.physics;
+    dem_grain *p = &scene->grains[i];
+    scene->lines[i] = line;
+    if (p->m >= 0.0) return RP_OK;
+    p->m = dem_mass(all->shape, all->density, p->r);
+    return dem_density_check(all->shape, scene->has_density);
 }
 
-static rp_status read_particles(const config_setting_t *list, dem_scene_file *file)
+static rp_status read_particles(const config_setting_t *list, dem_scene *scene)
 {
     if (!config_setting_is_list(list)) return rp_config_fail(list, "particles: a list ( { ... } ) expected");
     if (length(list) == 0) return rp_config_fail(list, "particles: no particles");
-    RP_TRY(alloc_grains(&file->scene, length(list)));
+    RP_TRY(alloc_grains(scene, length(list)));
     for (size_t i = 0; i < length(list); i++) {
-        dem_grain *p = &file->scene.grains[i];
+        dem_grain *p = &scene->grains[i];
         rp_params_defaults(SCHEMA(PARTICLES), p);
         RP_TRY(rp_config_group(element(list, i), SCHEMA(PARTICLES), p, NULL));
-        file->scene.lines[i] = config_setting_source_line(element(list, i));
-        if (p->m < 0.0) RP_TRY(mass_of(file, p->r, &p->m));
+        RP_TRY(add_grain(scene, i, config_setting_source_line(element(list, i))));
     }
     return RP_OK;
 }
 
 /* A number; of a boolean also its word, as pandas spells it too. */
-static rp_status read_cell(const rp_table *table, size_t row, int column, const rp_param *key, double *v)
+static rp_status read_cell(const rp_table *table, size_t row, int column, const rp_param *key, dem_grain *p)
 {
     const char *cell = rp_cell(table, row, column);
-    if (key->type != RP_BOOL || (strcasecmp(cell, "true") != 0 && strcasecmp(cell, "false") != 0))
-        return rp_table_number(table, row, column, 0, v);
-    *v = tolower((unsigned char)*cell) == 't';
-    return RP_OK;
+    const bool word = strcasecmp(cell, "true") == 0 || strcasecmp(cell, "false") == 0;
+    rp_value v = {.kind = key->type == RP_BOOL ? RP_V_BOOL : RP_V_REAL};
+    if (key->type != RP_BOOL || !word) RP_TRY(rp_table_number(table, row, column, 0, &v.r));
+    v.i = word ? tolower((unsigned char)*cell) == 't' : v.r != 0.0;
+    return rp_prefix(rp_params_set(key, p, &v), "%s:%zu: ", table->places[row].path, table->places[row].line);
 }
 
-static rp_status read_particles_table(const rp_table *table, dem_scene_file *file)
+static rp_status read_particles_table(const rp_table *table, dem_scene *scene)
 {
     enum { N = 9 }; /* keys of a grain */
     static const char *const numbers[N] = {"1", "2", "3", "4", "5", "6", "7", "8", "9"};
@@ -63,17 +68,13 @@ static rp_status read_particles_table(const rp_table *table, dem_scene_file *fil
                                               "x y r, and m vx vy angle omega fixed as needed", &columns[c]);
         if (found && !keys[c].fallback) return found;
     }
-    RP_TRY(alloc_grains(&file->scene, table->n_rows));
+    RP_TRY(alloc_grains(scene, table->n_rows));
     for (size_t i = 0; i < table->n_rows; i++) {
-        double v[N] = {0.0};
+        dem_grain *p = &scene->grains[i];
+        rp_params_defaults(keys, p);
         for (int c = 0; c < N; c++)
-            if (columns[c] >= 0) RP_TRY(read_cell(table, i, columns[c], &keys[c], &v[c]));
-        if (!(v[2] > 0.0))
-            return rp_fail(RP_BAD_INPUT, "%s:%zu: r = %g: out of range, allowed: (0, inf)",
-                           table->places[i].path, table->places[i].line, v[2]);
-        if (columns[3] < 0) RP_TRY(mass_of(file, v[2], &v[3]));
-        file->scene.grains[i] = (dem_grain){v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8] != 0.0};
-        file->scene.lines[i] = table->places[i].line;
+            if (columns[c] >= 0) RP_TRY(read_cell(table, i, columns[c], &keys[c], p));
+        RP_TRY(add_grain(scene, i, table->places[i].line));
     }
     return RP_OK;
 }
@@ -149,18 +150,18 @@ static rp_status read_contacts(rp_arena *arena, const rp_table *states, const rp
 /* Columns of grains, and those of states that follow from them. */
 #define USED ",x,y,r,m,vx,vy,angle,omega,fixed,step,t,id,fx,fy,contacts,index,"
 
-static rp_status read_table(const char *path, dem_scene_file *file)
+static rp_status read_table(const char *path, dem_scene *scene)
 {
     rp_table *table, *contacts;
     RP_SCOPE(arena);
-    RP_TRY(read_step(&arena, path, file->particles_file, file->particles_step, &table));
-    RP_TRY(read_particles_table(table, file));
-    rp_columns_beside(table, USED, file->scene.unused);
-    if (!*file->contacts_file) return RP_OK;
+    RP_TRY(read_step(&arena, path, scene->particles_file, scene->particles_step, &table));
+    RP_TRY(read_particles_table(table, scene));
+    rp_columns_beside(table, USED, scene->unused);
+    if (!*scene->contacts_file) return RP_OK;
     const int step = rp_table_column(table, "step");
-    RP_TRY(read_step(&arena, path, file->contacts_file, step < 0 ? -1 : atol(rp_cell(table, 0, step)),
+    RP_TRY(read_step(&arena, path, scene->contacts_file, step < 0 ? -1 : atol(rp_cell(table, 0, step)),
                      &contacts));
-    return read_contacts(&arena, table, contacts, &file->scene);
+    return read_contacts(&arena, table, contacts, scene);
 }
 
 const config_setting_t *dem_first_add(const config_setting_t *phases)
@@ -174,20 +175,20 @@ const config_setting_t *dem_first_add(const config_setting_t *phases)
     return add && config_setting_is_group(add) ? add : NULL;
 }
 
-rp_status dem_read_grains(const char *path, const config_setting_t *root, dem_scene_file *file)
+rp_status dem_read_grains(const char *path, const config_setting_t *root, dem_scene *scene)
 {
     const config_setting_t *list = member(root, "particles"), *fill = member(root, "fill");
-    const bool from_table = file->scene.from_table = *file->particles_file != '\0';
+    const bool from_table = *scene->particles_file != '\0';
     if (list && from_table)
         return rp_config_fail(member(root, "particles_file"), "particles and particles_file; keep one");
     if (!(list || fill || from_table || dem_first_add(member(root, "phases"))))
         return rp_fail(RP_BAD_INPUT, "%s: no grains: particles, particles_file or fill is needed", path);
-    if (!from_table && (file->particles_step >= 0 || *file->contacts_file))
+    if (!from_table && (scene->particles_step >= 0 || *scene->contacts_file))
         return rp_fail(RP_BAD_INPUT, "%s: %s: needs particles_file", path,
-                       *file->contacts_file ? "contacts_file" : "particles_step");
-    if (*file->contacts_file && file->scene.def.ground.wall)
+                       *scene->contacts_file ? "contacts_file" : "particles_step");
+    if (*scene->contacts_file && scene->def.ground.wall)
         return rp_fail(RP_BAD_INPUT, "%s: contacts_file: its table does not have the wells of a ground",
                        path);
-    if (fill) RP_TRY(dem_read_fills(fill, file));
-    return list ? read_particles(list, file) : from_table ? read_table(path, file) : RP_OK;
+    if (fill) RP_TRY(dem_read_fills(fill, scene));
+    return list ? read_particles(list, scene) : from_table ? read_table(path, scene) : RP_OK;
 }

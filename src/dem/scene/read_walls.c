@@ -100,8 +100,9 @@ static rp_status read_entry(rp_arena *arena, const config_setting_t *setting, de
                             dem_wall_entry *entry)
 {
     /* corner_lower and corner_upper joined walls before all walls that meet were joined */
-    static const char *const others[] = {"point",    "direction", "extent",       "polygon",      "circle",
-                                         "velocity", "pivot",     "corner_lower", "corner_upper", NULL};
+    static const char others[] =
+        "point direction extent polygon circle velocity pivot corner_lower corner_upper";
+    static const char *const of_line[] = {"point", "direction", "extent"};
     *entry = (dem_wall_entry){.line.extent = {-INFINITY, INFINITY}};
     rp_params_defaults(SCHEMA(WALLS), entry);
     RP_TRY(rp_config_group(setting, SCHEMA(WALLS), entry, others));
@@ -111,7 +112,7 @@ static rp_status read_entry(rp_arena *arena, const config_setting_t *setting, de
                            *velocity = member(setting, "velocity"), *pivot = member(setting, "pivot");
     entry->setting = polygon ? polygon : circle ? circle : setting;
     for (int k = 0; k < 3 && (polygon || circle); k++)
-        if (member(setting, others[k]) || (polygon && circle))
+        if (member(setting, of_line[k]) || (polygon && circle))
             return rp_config_fail(setting, "a wall has one of point, polygon and circle");
     RP_TRY(polygon  ? dem_read_points(arena, polygon, entry->closed ? 3 : 2, &entry->n_points, &entry->points)
            : circle ? read_circle(arena, circle, entry)

@@ -21,46 +21,43 @@ rp_status dem_text_open(const char *name, const char *bytes, const rp_texts *cha
 void dem_text_close(dem_text *text)
 {
     rp_lets_end(&text->lets);
-    rp_arena_end(&text->memory);
     config_destroy(&text->config);
 }
 
 /* A group that may be missing, or left out by its condition; its values then stay as they are. */
 static rp_status read_group(const config_setting_t *root, int number, void *values, bool *there)
 {
-    static const char *const others[] = {"if", NULL};
     const config_setting_t *group = member(root, dem_scene_schemas[number].name);
     *there = false;
     if (group) RP_TRY(dem_is_wanted(group, there));
     if (!*there) return RP_OK;
     rp_params_defaults(SCHEMA(number), values);
-    return rp_config_group(group, SCHEMA(number), values, others);
+    return rp_config_group(group, SCHEMA(number), values, "if");
 }
 
-static rp_status read_scene(dem_text *text, dem_scene_file *file)
+rp_status dem_text_scene(dem_text *text, dem_scene *scene)
 {
-    static const char *const others[] = {"let",    "material",  "gravity", "normal", "tangential", "rolling",
-                                         "walls",  "particles", "fill",    "ground", "hard",       "implicit",
-                                         "phases", "measure",   "regions", "rest",   "result",     "seed",
-                                         "run",    "output",    "require", NULL};
+    static const char others[] =
+        "let material gravity normal tangential rolling walls particles fill ground hard implicit phases "
+        "measure regions rest result seed run output require";
     config_setting_t *root = config_root_setting(&text->config);
-    dem_scene *scene = &file->scene;
     dem_definition *def = &scene->def;
+    dem_fill streams;
     bool there;
-    rp_params_defaults(SCHEMA(TOP), file);
+    *scene = (dem_scene){.def = dem_definition_default()};
+    rp_params_defaults(SCHEMA(TOP), scene);
     def->gravity[1] = rp_units_value("cm/s^2", def->gravity[1]);
     text->lets.know = dem_know, text->lets.call = dem_call, text->lets.host = text;
     RP_TRY(rp_lets_read(root, &text->lets));
     if (member(root, "gravity")) RP_TRY(rp_config_pair(member(root, "gravity"), def->gravity));
-    RP_TRY(rp_config_group(root, SCHEMA(TOP), file, others));
-    file->has_density = member(root, "density") != NULL;
+    RP_TRY(rp_config_group(root, SCHEMA(TOP), scene, others));
+    scene->has_density = member(root, "density") != NULL;
     def->skin = fmax(def->skin, 0.0);
-    def->x_min = dem_lower_end(file->x_min), def->y_min = dem_lower_end(file->y_min);
-    def->turn_per_step = file->turn_deg * (M_PI / 180.0);
-    def->box_turn_per_step = file->box_turn_deg * (M_PI / 180.0);
-    for (int k = NORMAL; k <= ROLLING; k++) rp_params_defaults(SCHEMA(k), &file->physics);
-    RP_TRY(dem_read_physics(root, file, def));
-    scene->laws = (dem_scene_laws){file->physics, {def->x_min, def->x_max, def->y_min}};
+    dem_ends_apply(&scene->laws, def);
+    def->turn_per_step = scene->turn_deg * (M_PI / 180.0);
+    def->box_turn_per_step = scene->box_turn_deg * (M_PI / 180.0);
+    for (int k = NORMAL; k <= ROLLING; k++) rp_params_defaults(SCHEMA(k), &scene->laws.physics);
+    RP_TRY(dem_read_physics(root, scene));
     RP_TRY(dem_read_walls(root, scene));
     RP_TRY(read_group(root, GROUND, &def->ground, &there));
     RP_TRY(read_group(root, HARD, &def->hard, &def->hard.on));
@@ -70,18 +67,13 @@ static rp_status read_scene(dem_text *text, dem_scene_file *file)
     rp_params_defaults(SCHEMA(OUTPUT), &scene->output);
     RP_TRY(read_group(root, OUTPUT, &scene->output, &there));
     scene->phases = member(root, "phases") != NULL;
-    RP_TRY(dem_read_grains(text->path, root, file));
+    RP_TRY(dem_read_grains(text->path, root, scene));
     /* seed and run of the text go before those of its first fill, and are for what phases add too */
-    if (!scene->has_fill) rp_params_defaults(SCHEMA(FILL), &scene->fill);
-    return dem_peek(root, SCHEMA(FILL), "seed run", &scene->fill);
-}
-
-rp_status dem_text_scene(dem_text *text, dem_scene *scene)
-{
-    dem_scene_file file = {.scene = {.def = dem_definition_default()}};
-    rp_status status = read_scene(text, &file);
-    *scene = file.scene;
-    return status;
+    rp_params_defaults(SCHEMA(FILL), &streams);
+    if (scene->fills) streams = *scene->fills;
+    RP_TRY(rp_config_peek(root, SCHEMA(FILL), "seed run", &streams));
+    scene->seed = streams.seed, scene->run = streams.run;
+    return RP_OK;
 }
 
 rp_status dem_scene_read(const char *path, const rp_texts *changes, dem_scene *scene)
@@ -98,29 +90,28 @@ void dem_scene_free(dem_scene *scene)
     *scene = (dem_scene){0};
 }
 
-rp_status dem_scene_grains(const dem_scene *scene, dem_grain **grains, size_t *n, size_t ends[])
+rp_status dem_scene_grains(const dem_scene *scene, dem_grain **grains, size_t *n)
 {
     const size_t listed = scene->grains ? scene->def.n_grains : 0;
     size_t room = listed + 1;
-    const dem_fill *fill;
-    for (size_t k = 0; (fill = dem_scene_fill_at((dem_scene *)scene, k)); k++) room += dem_fill_most(fill);
+    for (size_t k = 0; k < scene->n_fills; k++) room += dem_fill_most(&scene->fills[k]);
     if (room > DEM_MOST_GRAINS)
         return rp_fail(RP_BAD_INPUT, "fill: room for %zu particles: at most %d", room, DEM_MOST_GRAINS);
     *grains = malloc(room * sizeof **grains);
     if (!*grains) return rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", room);
     if (listed) memcpy(*grains, scene->grains, listed * sizeof **grains);
     *n = listed;
-    for (size_t k = 0; (fill = dem_scene_fill_at((dem_scene *)scene, k)); k++) {
-        dem_fill one = *fill;
-        const char *kind = fill->kind ? fill->kind : "";
+    for (size_t k = 0; k < scene->n_fills; k++) {
+        dem_fill one = scene->fills[k];
+        const char *kind = one.kind ? one.kind : "";
         size_t placed = 0;
-        one.seed = scene->fill.seed, one.run = scene->fill.run, one.cut = scene->fill.cut;
+        one.seed = scene->seed, one.run = scene->run, one.cut = scene->cut;
         one.walls = dem_walls_of(&scene->def), one.n_walls = scene->def.n_walls;
         one.n_there = *n;
-        if (k > 0) one.streams[0] = one.streams[1] = NULL;
+        if (k == 0) memcpy(one.streams, scene->streams, sizeof one.streams);
         RP_TRY(rp_prefix(dem_fill_grains(&one, *grains + *n, &placed), "%s%s", kind, *kind ? ": " : ""));
         *n += placed;
-        if (ends) ends[k] = *n;
+        if (scene->ends) scene->ends[k] = *n;
     }
     return RP_OK;
 }
@@ -130,8 +121,8 @@ rp_status dem_scene_start(const dem_scene *scene, dem_sim **sim)
     dem_definition def = scene->def;
     dem_grain *grains = NULL;
     *sim = NULL;
-    rp_status status = dem_scene_grains(scene, &grains, &def.n_grains, NULL);
-    def.grains = grains, def.lines = scene->has_fill ? NULL : scene->lines;
+    rp_status status = dem_scene_grains(scene, &grains, &def.n_grains);
+    def.grains = grains, def.lines = scene->n_fills ? NULL : scene->lines;
     if (!status) status = dem_create(&def, sim);
     free(grains);
     return status;

@@ -15,29 +15,37 @@ typedef struct {
     long states, energy, contacts, walls;
 } dem_intervals;
 
-/* What may change while a scene runs. */
+/* What may change while a scene runs, as a file gives it: "auto" is not resolved, an end that is none is
+ * above all numbers. */
 typedef struct {
     dem_physics physics;
-    double ends[3]; /* x_min, x_max, y_min */
+    double x_min, x_max, y_min;
 } dem_scene_laws;
 
 typedef struct {
-    dem_definition def;        /* its grains are the scene's, or NULL with a fill */
-    double E, nu;              /* of the grains, from `material`; 0: not given */
-    bool has_fill, from_table; /* of its grains; the table of particles_file */
-    bool phases;               /* its text has some, which are the experiment's */
-    dem_fill fill;             /* the first; H here is the height of the region that grains are placed in */
-    size_t n_more;             /* fills after it */
-    dem_fill *more;
+    dem_definition def; /* its grains are the scene's, or NULL with a fill */
+    double E, nu;       /* of the grains, from `material`; 0: not given */
+    bool phases;        /* its text has some, which are the experiment's */
+    size_t n_fills;
+    dem_fill *fills;  /* NULL: none */
+    long seed, run;   /* of the fills' random streams, instead of their own */
+    void *streams[2]; /* of the first fill, and whether walls cut one, as of a dem_fill */
+    bool *cut;
+    size_t *ends; /* may be NULL: number of grains with those of the fills up to each */
     long steps;
     dem_intervals output;
     dem_grain *grains;
-    size_t *lines;       /* of the grains in their list */
-    dem_scene_laws laws; /* as given, "auto" not resolved */
-    dem_material *given; /* of the walls, the same */
-    const char **names;  /* of the walls, "" of one without; NULL: none has one */
-    char unused[256];    /* columns of particles_file, if there are any */
-    rp_arena arena;      /* of all arrays and texts of the scene and its definition */
+    size_t *lines; /* of the grains in their list */
+    dem_scene_laws laws;
+    dem_material *given;           /* of the walls, as given */
+    const char **names;            /* of the walls, "" of one without; NULL: none has one */
+    double turn_deg, box_turn_deg; /* a step, of gravity and of the box */
+    bool has_density;              /* given, no default */
+    int units;
+    const char *particles_file, *contacts_file; /* "": none; the text's own */
+    long particles_step;                        /* -1: the last */
+    char unused[256];                           /* columns of particles_file, if there are any */
+    rp_arena arena;                             /* of all arrays and texts of the scene and its definition */
 } dem_scene;
 
 /* Read a scene file; `changes` are further "key=value" or "group.key=value" settings, numbers, words or
@@ -50,19 +58,11 @@ void dem_scene_free(dem_scene *scene);
 bool dem_in_polygon(size_t n, const double points[], double x, double y);
 
 /* The grains of the start, a new array: those of the scene's list, then those of its fills one after the
- * other; ends[k] (ends may be NULL) is their number with those of the first k + 1 fills. Errors: as
- * dem_fill_grains. */
-rp_status dem_scene_grains(const dem_scene *scene, dem_grain **grains, size_t *n, size_t ends[]);
+ * other. Errors: as dem_fill_grains. */
+rp_status dem_scene_grains(const dem_scene *scene, dem_grain **grains, size_t *n);
 
 /* Fill if there is something to fill, and make the simulation. Errors: as dem_fill_grains, dem_create. */
 rp_status dem_scene_start(const dem_scene *scene, dem_sim **sim);
-
-/* Number k of the fills; NULL past the last. */
-static inline dem_fill *dem_scene_fill_at(dem_scene *scene, size_t k)
-{
-    if (!scene->has_fill || k > scene->n_more) return NULL;
-    return k == 0 ? &scene->fill : &scene->more[k - 1];
-}
 
 /* Write a scene that dem_scene_read reads back to the same bits (a turn of gravity: to round-off). */
 void dem_scene_write(const dem_scene *scene, FILE *out);

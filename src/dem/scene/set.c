@@ -54,27 +54,32 @@ static rp_status step_into(char *name, const char *text, config_setting_t **grou
     return rp_fail(RP_BAD_INPUT, "--set %s: %s has no keys of its own", text, name);
 }
 
+/* Put a value of any type in the place of a setting's. */
+static void put(config_setting_t *setting, const rp_value *value)
+{
+    if (config_setting_type(setting) == CONFIG_TYPE_STRING) config_setting_set_string(setting, NULL);
+    setting->type = CONFIG_TYPE_NONE, setting->value.sval = NULL;
+    switch (value->kind) {
+    case RP_V_INT: config_setting_set_int64(setting, value->i); break;
+    case RP_V_REAL: config_setting_set_float(setting, value->r); break;
+    case RP_V_BOOL: config_setting_set_bool(setting, (int)value->i); break;
+    case RP_V_TEXT: config_setting_set_string(setting, value->s); break;
+    }
+}
+
 /* Add a copy of the value to a group under this name; to a list or an array without a name. */
 static bool add_copy(config_setting_t *parent, const char *name, const config_setting_t *value)
 {
-    const int type = config_setting_type(value);
-    config_setting_t *copy = config_setting_add(parent, name, type);
-    if (!copy) return false;
-    switch (type) {
-    case CONFIG_TYPE_INT: return config_setting_set_int(copy, config_setting_get_int(value));
-    case CONFIG_TYPE_INT64: return config_setting_set_int64(copy, config_setting_get_int64(value));
-    case CONFIG_TYPE_FLOAT: return config_setting_set_float(copy, config_setting_get_float(value));
-    case CONFIG_TYPE_BOOL: return config_setting_set_bool(copy, config_setting_get_bool(value));
-    case CONFIG_TYPE_STRING: return config_setting_set_string(copy, config_setting_get_string(value));
-    default: break;
-    }
-    bool whole = true;
+    config_setting_t *copy = config_setting_add(parent, name, config_setting_type(value));
+    rp_value scalar;
+    bool whole = copy != NULL;
+    if (copy && !rp_config_scalar(value, &scalar)) put(copy, &scalar);
     for (size_t i = 0; i < length(value) && whole; i++)
         whole = add_copy(copy, config_setting_name(element(value, i)), element(value, i));
     return whole;
 }
 
-static const config_setting_t *let_of(const dem_text *text, const char *name)
+static config_setting_t *let_of(const dem_text *text, const char *name)
 {
     const config_setting_t *let = config_lookup(&text->config, "let");
     return let ? member(let, name) : NULL;
@@ -97,17 +102,12 @@ static rp_status check_let(const dem_text *scene, const char *key, const char *t
 
 rp_status dem_text_give(dem_text *text, const char *name, const rp_value *value)
 {
-    rp_lets *lets = &text->lets;
-    const config_setting_t *let = let_of(text, name);
-    size_t k = 0;
-    while (k < lets->n_given && strcmp(lets->given[k].name, name) != 0) k++;
+    config_setting_t *let = let_of(text, name);
     if (!let) return rp_fail(RP_BAD_INPUT, "let: the text has no %s", name);
-    if (k == RP_LETS_MOST) return rp_fail(RP_BAD_INPUT, "let: more than %d values are given", RP_LETS_MOST);
-    lets->given[k] = (rp_let_given){config_setting_name(let), *value};
-    lets->n_given += k == lets->n_given;
-    if (value->kind != RP_V_TEXT) return RP_OK;
-    lets->given[k].value.s = rp_text(&text->memory, "%s", value->s);
-    return lets->given[k].value.s ? RP_OK : RP_NO_MEMORY;
+    if (config_setting_is_group(let)) let = member(let, "value");
+    if (!let || config_setting_is_aggregate(let)) return RP_OK; /* which its reading refuses */
+    put(let, value);
+    return RP_OK;
 }
 
 #define NAMED_KEY(...) NAMED_KEY_OF(__VA_ARGS__)

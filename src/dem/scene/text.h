@@ -14,7 +14,6 @@ typedef struct {
     const char *path; /* borrowed */
     config_t config;
     rp_lets lets;
-    rp_arena memory;
 } dem_text;
 
 /* Read a file, or bytes that are there, and the changes of it, of which those of a let are given to the lets;
@@ -38,8 +37,7 @@ typedef struct {
 } dem_named_key;
 extern const dem_named_key dem_named_keys[];
 
-/* Give a let a value, of a text that is open; another reading takes it. Errors: RP_BAD_INPUT (no such let).
- */
+/* Give a let a value instead of its own; another reading takes it. Errors: RP_BAD_INPUT (no such let). */
 rp_status dem_text_give(dem_text *text, const char *name, const rp_value *value);
 
 /* Make the scene, with the lets as given; phases, measures and regions are left to the caller. Afterwards
@@ -57,12 +55,12 @@ rp_status dem_laws_apply(const dem_scene_laws *laws, const dem_material *given, 
 void dem_laws_write(const dem_scene_laws *laws, FILE *out);
 
 /* The coefficients of a wall in a group, beside other keys; *some: there is one. Errors: RP_BAD_INPUT. */
-rp_status dem_text_coefficients(const config_setting_t *group, const char *const others[], bool *some,
+rp_status dem_text_coefficients(const config_setting_t *group, const char *others, bool *some,
                                 dem_material *given);
 
 /* Keys of radii in a group, beside other keys, `radii` among them; without any the radii of `as`, or the
  * defaults of a fill. Errors: RP_BAD_INPUT. */
-rp_status dem_text_radii(rp_arena *arena, const config_setting_t *group, const char *const others[],
+rp_status dem_text_radii(rp_arena *arena, const config_setting_t *group, const char *others,
                          const dem_fill *as, dem_fill *radii);
 
 #endif

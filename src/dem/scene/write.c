@@ -25,26 +25,27 @@ static void write_contacts(FILE *out, const dem_physics *physics)
 
 void dem_laws_write(const dem_scene_laws *laws, FILE *out)
 {
-    fprintf(out, "dt = %.17g; ends = ( %.17g, %.17g, %.17g );\n", laws->physics.dt, laws->ends[0],
-            laws->ends[1], laws->ends[2]);
+    fprintf(out, "dt = %.17g; ends = ( %.17g, %.17g, %.17g );\n", laws->physics.dt,
+            dem_lower_end(laws->x_min), laws->x_max, dem_lower_end(laws->y_min));
     write_contacts(out, &laws->physics);
 }
 
 static void write_top(FILE *out, const dem_scene *scene)
 {
     const dem_definition *def = &scene->def;
-    const double density = scene->has_fill ? scene->fill.density : dem_physics_default().density;
-    dem_scene_file file = {.scene = *scene,
-                           .physics = dem_physics_of(def, density),
-                           .particles_file = "",
-                           .particles_step = -1,
-                           .contacts_file = ""};
-    if (def->skin == 0.0) file.scene.def.skin = -1.0;
-    file.x_min = dem_lower_end(def->x_min), file.y_min = dem_lower_end(def->y_min);
-    file.turn_deg = def->turn_per_step * (180.0 / M_PI);
-    file.box_turn_deg = def->box_turn_per_step * (180.0 / M_PI);
-    if (scene->has_fill) file.physics.shape = scene->fill.shape;
-    file.units = (int)rp_units_now();
+    const double density = scene->fills ? scene->fills->density : dem_physics_default().density;
+    dem_scene file = {.def = *def,
+                      .steps = scene->steps,
+                      .laws = {dem_physics_of(def, density), dem_lower_end(def->x_min), def->x_max,
+                               dem_lower_end(def->y_min)},
+                      .turn_deg = def->turn_per_step * (180.0 / M_PI),
+                      .box_turn_deg = def->box_turn_per_step * (180.0 / M_PI),
+                      .units = (int)rp_units_now(),
+                      .particles_file = "",
+                      .particles_step = -1,
+                      .contacts_file = ""};
+    if (def->skin == 0.0) file.def.skin = -1.0;
+    if (scene->fills) file.laws.physics.shape = scene->fills->shape;
     write_pair(out, "gravity", def->gravity);
     rp_config_write(out, SCHEMA(TOP), &file);
     fputc('\n', out);
@@ -110,19 +111,20 @@ static void write_points(FILE *out, const char *key, size_t n, const double poin
 
 static void write_fills(FILE *out, const dem_scene *scene)
 {
-    const dem_fill *f;
-    fputs(scene->n_more ? "fill = (\n" : "fill = ", out);
-    for (size_t k = 0; (f = dem_scene_fill_at((dem_scene *)scene, k)); k++) {
-        dem_fill fill = *f;
-        if (isinf(f->H)) fill.H = -1.0;
-        if (!(f->spacing > 0.0)) fill.spacing = -1.0;
+    const bool many = scene->n_fills > 1;
+    fputs(many ? "fill = (\n" : "fill = ", out);
+    for (size_t k = 0; k < scene->n_fills; k++) {
+        dem_fill fill = scene->fills[k];
+        if (k == 0) fill.seed = scene->seed, fill.run = scene->run;
+        if (isinf(fill.H)) fill.H = -1.0;
+        if (!(fill.spacing > 0.0)) fill.spacing = -1.0;
         fputs(k ? ",\n{ " : "{ ", out);
-        write_fill(out, &fill, scene->fill.density);
-        write_points(out, "radii", f->n_radii, f->radii);
-        write_points(out, "polygon", f->n_corners, f->corners);
+        write_fill(out, &fill, scene->fills->density);
+        write_points(out, "radii", fill.n_radii, fill.radii);
+        write_points(out, "polygon", fill.n_corners, fill.corners);
         fputs("}", out);
     }
-    fputs(scene->n_more ? " );\n" : ";\n", out);
+    fputs(many ? " );\n" : ";\n", out);
 }
 
 void dem_scene_write(const dem_scene *scene, FILE *out)
@@ -135,32 +137,8 @@ void dem_scene_write(const dem_scene *scene, FILE *out)
     if (def->ground.wall) write_group(out, GROUND, &def->ground);
     if (def->hard.on) write_group(out, HARD, &def->hard);
     if (dem_schemes[def->integrator]->solves) write_group(out, IMPLICIT, &def->implicit);
-    if (scene->has_fill) write_fills(out, scene);
+    if (scene->fills) write_fills(out, scene);
     if (scene->grains) write_particles(out, scene);
-}
-
-/* A let, with the value that it was given. */
-static void write_let(const rp_lets *lets, const config_setting_t *let, FILE *out)
-{
-    const rp_let_given *given = lets->given;
-    while (given < lets->given + lets->n_given && strcmp(given->name, config_setting_name(let)) != 0) given++;
-    fprintf(out, "  %s = ", config_setting_name(let));
-    if (given == lets->given + lets->n_given) {
-        rp_config_write_value(out, let);
-    } else if (!config_setting_is_group(let)) {
-        rp_config_write_scalar(out, &given->value);
-    } else {
-        fputs("{ ", out);
-        for (size_t i = 0; i < length(let); i++) {
-            const config_setting_t *m = element(let, i);
-            const bool value = strcmp(config_setting_name(m), "value") == 0;
-            fprintf(out, "%s = ", config_setting_name(m));
-            value ? rp_config_write_scalar(out, &given->value) : rp_config_write_value(out, m);
-            fputs("; ", out);
-        }
-        fputc('}', out);
-    }
-    fputs(";\n", out);
 }
 
 void dem_text_write(const dem_text *text, unsigned long seed, unsigned long stream, FILE *out)
@@ -173,7 +151,11 @@ void dem_text_write(const dem_text *text, unsigned long seed, unsigned long stre
         const bool let = strcmp(name, "let") == 0;
         if (strcmp(name, "seed") == 0 || strcmp(name, "run") == 0) continue;
         fprintf(out, let ? "%s = {\n" : "%s = ", name);
-        for (size_t k = 0; k < length(s) && let; k++) write_let(&text->lets, element(s, k), out);
+        for (size_t k = 0; k < length(s) && let; k++) {
+            fprintf(out, "  %s = ", config_setting_name(element(s, k)));
+            rp_config_write_value(out, element(s, k));
+            fputs(";\n", out);
+        }
         let ? (void)fputc('}', out) : rp_config_write_value(out, s);
         fputs(";\n", out);
     }

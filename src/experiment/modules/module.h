@@ -94,5 +94,6 @@ rp_status exp_outline_rays(size_t n, const double x[], const double top[], const
 #define X(name) extern const exp_module exp_module_##name;
 EXP_MODULES(X)
 #undef X
+extern const exp_module *const exp_modules[]; /* ended by NULL */
 
 #endif
