@@ -241,7 +241,7 @@ static int count_marks(const double frame[4], double step, double at[2])
 }
 
 /* The frame is the window, at the grains' scale, with room for labels: on the left 1.8 cm, on the right 0.7
- * cm or 2.6 with a bar of colours, above 1.4 cm, below 1.5. The pressure has a frame of 3.2 cm less its
+ * cm or 3.1 with a bar of colours, above 1.4 cm, below 1.5. The pressure has a frame of 3.2 cm less its
  * labels below. No text is outside the picture. */
 static void test_layout(void)
 {
@@ -249,7 +249,7 @@ static void test_layout(void)
         const char *words;
         double width, right, panel, x, y; /* of the window */
     } cases[] = {{"", 18.0, 0.7, 0.0, 9.0 + 1.0 / 3.0, 5.0 + 1.0 / 3.0},
-                 {"--color m", 18.0, 2.6, 0.0, 9.0 + 1.0 / 3.0, 5.0 + 1.0 / 3.0},
+                 {"--color m", 18.0, 3.1, 0.0, 9.0 + 1.0 / 3.0, 5.0 + 1.0 / 3.0},
                  {"--width 30 --window -2,8,-1,4", 30.0, 0.7, 0.0, 10.0, 5.0},
                  {"--base --width 12 --window -2,8,-1,5", 12.0, 0.7, 3.2, 10.0, 6.0},
                  /* as high as is allowed, and as wide as labels need; as low as is allowed */
@@ -311,10 +311,10 @@ static void test_colors(void)
     FAILS(1, "column \"charge\": no number", "view t.csv -o a.svg --color charge");
 }
 
-/* The only contact: of the second grain with the wall below it. */
-static void write_press(double x_b, double force)
+/* The only contact: of a grain with the wall below it. */
+static void write_press(double x, double x_b, double force)
 {
-    write_text("contacts.tsv", "x\ty\tx_b\ty_b\tforce\twall\n2.5\t1.5\t%g\t0\t%g\t1\n", x_b, force);
+    write_text("contacts.tsv", "x\ty\tx_b\ty_b\tforce\twall\n%g\t1.5\t%g\t0\t%g\t1\n", x, x_b, force);
 }
 
 /* One force of 12 N along y through a cell of 3 m times 3 m: the stress is 12 N * 1.5 m / 9 m^2 along y and
@@ -322,7 +322,7 @@ static void write_press(double x_b, double force)
 static void test_stress(void)
 {
     write_pile();
-    write_press(2.5, 12.0);
+    write_press(3.5, 3.5, 12.0);
     GOOD("view . -o a.svg --stress --base --cell 3");
     read_svg("a.svg");
     CU_ASSERT(count_strokes(PRESS) == 2); /* with the key's */
@@ -349,7 +349,7 @@ static void test_stress(void)
     } cases[] = {{12.0, 1.0, 5}, {12.6, 2.0, 3}, {360.0, 50.0, 3}, {0.144, 0.02, 3}, {66.0, 10.0, 3}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         double frame[4], bar[4], at[2];
-        write_press(2.5, cases[k].force);
+        write_press(3.5, 3.5, cases[k].force);
         GOOD("view . -o a.svg --stress --base --cell 3");
         read_svg("a.svg");
         CU_ASSERT(count_strokes(PRESS) == 2 && count_strokes(PULL) == 0); /* however weak, it presses */
@@ -365,12 +365,12 @@ static void test_stress(void)
         CHECK_NEAR(fmin(bar[0], bar[2]), circles[0].x + 2.0 * scale, 1.0); /* frames are whole pixels apart */
         CHECK_NEAR(fabs(bar[3] - bar[1]), height * largest, 0.05);
     }
-    write_press(2.5, 12.0);
+    write_press(3.5, 3.5, 12.0);
     /* in a single cell, which is the last one too */
     GOOD("view . -o a.svg --stress --cell 20");
     SHELL("grep -q 'principal stress, largest 0.045 ' a.svg");
     /* 12 N along a branch of 2.5 m that leans: 12 * 2.5/400, whatever its direction */
-    write_press(0.5, 12.0);
+    write_press(2.5, 0.5, 12.0);
     GOOD("view . -o a.svg --stress --cell 20");
     SHELL("grep -q 'principal stress, largest 0.075 ' a.svg");
 }
@@ -533,7 +533,7 @@ static void test_animation(void)
     char text[128];
     snprintf(text, sizeof text,
              "set terminal gif animate delay 5 loop 0 enhanced font 'DejaVu Sans,10' size %.0f,%.0f\n",
-             48.0 * (14.0 * 8.5 / 11.0 + 1.8 + 2.6), 48.0 * (14.0 + 1.4 + 1.5));
+             48.0 * (14.0 * 8.5 / 11.0 + 1.8 + 3.1), 48.0 * (14.0 + 1.4 + 1.5));
     CU_ASSERT(strncmp(told, text, strlen(text)) == 0);
     CHECK_PARTS(told, "set xrange [-2.25:6.25]\n", "set yrange [-1.25:9.75]\n", "set cbrange [2:8]\n",
                 "set cblabel 'm (kg)' noenhanced\n");
@@ -644,8 +644,8 @@ static void test_range(void)
         is_told(both ? "'#f7f7f7'" : "'#fff7bc'");
         CHECK_PARTS(told, "set cblabel 'q' noenhanced",
                     "plot $grains using 1:2:3:4 with circles lw 0.4 fc palette notitle\n");
-        /* a window of 8 by 2 m with a radius around it, whose plot is 13.6 cm wide */
-        is_told("set lmargin at screen %.5f\nset rmargin at screen %.5f\n", 0.1, 1.0 - 2.6 / 18.0);
+        /* a window of 8 by 2 m with a radius around it, whose plot is 13.1 cm wide */
+        is_told("set lmargin at screen %.5f\nset rmargin at screen %.5f\n", 0.1, 1.0 - 3.1 / 18.0);
         CHECK_PARTS(told, "set xrange [-2:8]\n", "set yrange [-2:2]\n", "'3 grains'",
                     "set xlabel 'x' noenhanced");
     }
@@ -700,11 +700,13 @@ static void test_bins(void)
                                "4.25\t4\t3\t3\t60\t1\n"      /* steeper */
                                "3\t4\t4.25\t3\t60\t1\n"      /* steeper to the other side */
                                "7.5\t3\t7.5\t2\t0.375\t1\n"  /* the last bin */
-                               "9\t3\t9\t2\t60\t1\n"         /* beyond it */
-                               "-1.5\t3\t-1.5\t2\t60\t1\n"); /* before the first one */
+                               "10\t3\t10\t2\t60\t1\n"       /* beyond it */
+                               "-2.5\t3\t-2.5\t2\t60\t1\n"); /* before the first one */
+    /* each over a diameter, of 7/3 m: half of the first one, halves of the second one, 5/7 of the last */
+    const double half = 0.5 * 1.5 * sqrt(0.5) / 3.0;
     tell(". -o a.png --base --cell 3");
-    check_data("base", 0, 3, 2, (double[]){0.5, 2.0, 3.5, 1.5 * sqrt(0.5) / 3.0, 6.5, 0.125});
-    CHECK_PARTS(told, "set yrange [0:2.1600000000000001]\nset ytics 0.5\n",
+    check_data("base", 0, 3, 2, (double[]){0.5, 1.0 + half, 3.5, half, 6.5, 0.125 * 5.0 / 7.0});
+    CHECK_PARTS(told, check_text("set yrange [0:%.17g]\nset ytics 0.5\n", 1.08 * (1.0 + half)),
                 "set ylabel 'pressure (N/m)' noenhanced\nset xlabel 'x (m)' noenhanced\nset boxwidth 3\n",
                 "set label 1 'step 7, t = 0.5 s, 3 grains'");
     /* a unit of both, or none */

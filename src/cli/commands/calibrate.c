@@ -337,7 +337,7 @@ static rp_status run_group(problem *s, size_t stage, size_t g, size_t n, const d
                 s->group[g].source, n, replicas, dir);
     RP_TRY(cli_sweep_run(dir, (sweep_options){.workers = (int)s->o->j, .snapshot = CLI_SNAPSHOT}, s->o->quiet,
                          &counts));
-    return cli_sweep_table(s->call, dir, SWEEP_RUNS, &s->group[g].table, NULL);
+    return cli_sweep_table(s->call, dir, SWEEP_RUNS, &s->group[g].table, &counts);
 }
 
 static rp_status run_stage(void *host, size_t stage, size_t *n, const double **x, const size_t replicas[],
