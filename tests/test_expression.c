@@ -113,6 +113,7 @@ static void test_messages(void)
         {"1 & 2", "character 3: \"&\" is no sign"},
         {"'open", "character 1: a word without its end"},
         {"1.2.3", "\"1.2.3\" is no number"},
+        {"1e+x", "character 2: \"e\" stands where the end is expected"},
         {"*", "\"*\" stands where a value is expected"},
         {"rest ? 1", "\":\" expected at the end"},
         {"and", "\"and\" stands where a value is expected"}};

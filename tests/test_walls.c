@@ -804,6 +804,8 @@ static void refused(void)
         {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; velocity = [0.0, 3e3]; } );" ONE,
          "wall 1: moves 0.15 in one step, the smallest radius is 0.1"},
         {"walls = ( { circle = [0.0, 0.0, 3.0]; omega = 1e3; } );" ONE, "wall 1: moves 0.15 in one step"},
+        {"walls = ( { circle = [0.0, 0.0, 3.0]; omega = 500.0; velocity = [0.0, 1.5e3]; } );" ONE,
+         "wall 1: moves 0.15 in one step"},
         {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },\n"
          "{ point = [0.0, 9.0]; direction = [0.0, -1.0]; velocity = [0.0, 3e3]; } );" ONE,
          "wall 2: moves 0.15 in one step"},

@@ -60,7 +60,7 @@ static rp_status read_contacts(rp_arena *arena, const char *grains, numbers *c, 
         const double normal = isnan(c->column[5][k]) ? c->column[6][k] : c->column[5][k],
                      shear = isnan(c->column[7][k]) ? 0.0 : c->column[7][k];
         *v = (view_contact){.normal = normal, .wall = c->column[8][k] > 0.0};
-        v->c = (stress_contact){c->column[1][k], c->column[2][k], c->column[3][k], c->column[4][k], 0.0, 0.0};
+        v->c = (stress_contact){c->column[1][k], c->column[2][k], c->column[3][k], c->column[4][k]};
         const double lx = v->c.x - v->c.x_b, ly = v->c.y - v->c.y_b, l = hypot(lx, ly);
         if (!(l > 0.0) || !isfinite(normal + shear))
             return rp_fail(RP_BAD_INPUT, "%s: row %zu has no branch or no force", path, k + 1);
