@@ -63,6 +63,11 @@ static void test_runs(void)
           "calibrate two.cfg -o f >out 2>err");
     CU_ASSERT(strstr(err, "not_identified: ") && strstr(err, "determined is mu") &&
               strstr(err, "best to separate the names: ") != NULL);
+    /* best values at an end of their range */
+    SHELL("sed -i 's/ where = .*2.mu.; / /; s/16.0; error = 0.5/34.0; error = 9.0/' two.cfg && ! $REPOSE "
+          "calibrate two.cfg -o g >out 2>err");
+    CU_ASSERT(strstr(err, "not_identified: ") && !strstr(err, "determined is") &&
+              strstr(out, "# determined: not told where the best values lie at an end") != NULL);
 }
 
 /* Numbers of another program: 0.4 + 2 a + a^2 at the points of a table. */

@@ -467,6 +467,18 @@ static const char *separator(const problem *s, const stats_answer *a)
     return best;
 }
 
+/* Is a best value an end of its range? There the fits reach farthest, and no slope is 0: what their curvature
+ * determines is not what the numbers do. */
+static bool is_at_edge(const problem *s, const stats_answer *a)
+{
+    bool edge = false;
+    for (size_t p = 0; p < s->quest.n_names; p++) {
+        const double slack = 1e-3 * (s->quest.hi[p] - s->quest.lo[p]);
+        edge |= a->x[p] <= s->quest.lo[p] + slack || a->x[p] >= s->quest.hi[p] - slack;
+    }
+    return edge;
+}
+
 /* How many runs of all stages ended by which word other than ok. */
 static void print_failed(const problem *s, size_t stages)
 {
@@ -504,7 +516,10 @@ static void print_answer(const problem *s, const stats_answer *a)
             rp_table_note(stdout, "correlation", "%s and %s: %.2f", s->name[q], s->name[p],
                           a->correlation[q][p]);
     if (s->quest.n_names > 1)
-        rp_table_note(stdout, "determined", "%s = %.4g +- %.2g", combination(s, a), a->sum, a->sum_error);
+        rp_table_note(stdout, "determined", "%s",
+                      is_at_edge(s, a) ? "not told where the best values lie at an end of their range"
+                                       : rp_text(s->call->arena, "%s = %.4g +- %.2g", combination(s, a),
+                                                 a->sum, a->sum_error));
     rp_table_note(stdout, "left out", "%zu of %zu points are found again by the others", a->recovered,
                   a->tried);
     rp_table_note(stdout, "holds for", "the experiments that ran, and no other model");
@@ -532,15 +547,19 @@ static rp_status conclude(const problem *s, const stats_answer *a)
     const char *more = "";
     if (status == STATS_IDENTIFIED_NOT_IDENTIFIED && s->quest.n_names > 1) {
         const char *other = separator(s, a);
-        more = rp_text(s->call->arena, "; determined is %s = %.3g +- %.2g%s%s", combination(s, a), a->sum,
-                       a->sum_error, other ? "; best to separate the names: " : "", other ? other : "");
+        const char *sum = is_at_edge(s, a) ? ""
+                                           : rp_text(s->call->arena, "; determined is %s = %.3g +- %.2g",
+                                                     combination(s, a), a->sum, a->sum_error);
+        more = rp_text(s->call->arena, "%s%s%s", sum, other ? "; best to separate the names: " : "",
+                       other ? other : "");
     }
     if (status == STATS_IDENTIFIED_ABOVE_RANGE || status == STATS_IDENTIFIED_BELOW_RANGE)
         more = rp_text(s->call->arena, "; the runs reach %.3g to %.3g, for %g <= %s <= %g", a->reach[0][0],
                        a->reach[0][1], s->quest.lo[0], s->name[0], s->quest.hi[0]);
-    if (status == STATS_IDENTIFIED_BUDGET)
-        more = rp_text(s->call->arena, "; %zu of %zu runs, and the next stage needs %zu: --budget gives more",
-                       a->n_runs, s->quest.budget, a->n_next);
+    if (a->n_next > 0)
+        more =
+            rp_text(s->call->arena, "%s; %zu of %zu runs, and the next stage needs %zu: --budget gives more",
+                    more, a->n_runs, s->quest.budget, a->n_next);
     return rp_fail(RP_NO_RESULT, "%s: %s: %s%s", s->name[p], stats_identified_words[status],
                    stats_identified_meanings[status], more);
 }
