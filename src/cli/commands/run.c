@@ -143,10 +143,10 @@ static void keep_run(rp_snapshot *s, void *context)
     RP_KEEP(s, r->plan);
     RP_KEEP(s, r->energy);
     RP_KEEP(s, r->rest);
-    rp_keep_check(s,
-                  rp_keep_bool(&r->plan.stages) && rp_keep_bool(&r->plan.phases) &&
-                      r->plan.phases == (r->exp != NULL),
-                  r->exp ? "no phases" : "phases: give the file too, repose run FILE --resume DIR");
+    rp_keep_check(
+        s,
+        rp_keep_bool(&r->plan.stages) && rp_keep_bool(&r->plan.phases) && r->plan.phases == (r->exp != NULL),
+        r->exp ? "no phases" : "phases: give the file too, and its --set: repose run FILE --resume DIR");
     if (!r->plan.phases || s->status) {
         dem_keep(s, &r->sim);
         return;
