@@ -646,6 +646,7 @@ static void test_range(void)
                     "plot $grains using 1:2:3:4 with circles lw 0.4 fc palette notitle\n");
         /* a window of 8 by 2 m with a radius around it, whose plot is 13.1 cm wide */
         is_told("set lmargin at screen %.5f\nset rmargin at screen %.5f\n", 0.1, 1.0 - 3.1 / 18.0);
+        is_told("set colorbox user origin %.5f, ", 1.0 - 2.7 / 18.0);
         CHECK_PARTS(told, "set xrange [-2:8]\n", "set yrange [-2:2]\n", "'3 grains'",
                     "set xlabel 'x' noenhanced");
     }
