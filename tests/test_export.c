@@ -110,6 +110,8 @@ static void test_sweep(void)
     GOOD("stats select runs.csv --columns W,mu --bare"); /* read again, by the name of a fixed parameter */
     CU_ASSERT_STRING_EQUAL(out, "1\t0.1\n1\t0.1\n1\t0.3\n1\t0.3\n");
     FAILS(65, "s/store.sqlite: belongs to the sweep sweep.cfg", "export s --to csv -o s/store.sqlite");
+    SHELL("mkdir x && cp runs.tsv x && echo later >x/.repose");
+    FAILS(65, "x/.repose: no marker of this version", "sweep export s -o x/runs.tsv");
     FAILS(64, "has no grains", "export s --to vtk -o s.pvd");
 }
 

@@ -470,7 +470,8 @@ rp_status rp_folder_admit(const char *path, const char *temporary, bool owner)
     struct stat info;
     if (open_of(path, &f, &name)) return RP_OK; /* told by what follows */
     const bool there = is_there(&f, name, &info);
-    const bool own = there && read_marker(&f) == RP_OK && rp_folder_find(&f, name, 0);
+    if (there) RP_TRY(read_marker(&f)); /* of a marker that cannot be read nobody knows what it lists */
+    const bool own = there && rp_folder_find(&f, name, 0);
     if (own && !owner && !f.parts)
         return rp_fail(RP_BAD_INPUT, "%s: belongs to %s; give another name", path, f.holds);
     if (own)
