@@ -656,6 +656,9 @@ static void test_slope_anywhere(void)
     CHECK_NEAR(cell(&t, 1, "theta_deg"), 25.0, 1e-9);
     FAILS(1, "no pile: 1 flanks, of 2 and 0 points", "angle slope heap.csv --from 212");
     FAILS(1, "no pile: 0 flanks", "angle slope heap.csv --from 401");
+    FAILS(1, "a second one that ends at 0.16 of the height", "angle slope heap.csv --to 180");
+    FAILS(1, "a second one that ends at 0.49 of the height", "angle slope heap.csv --from -110");
+    CU_ASSERT(run("angle slope heap.csv --to 100") == 0 && strstr(out, "\tok\n"));
     FAILS(64, "--from and --to are without it", "angle slope heap.csv --from 1 --width 3 --cell 20");
     FAILS(64, "need --width", "angle slope heap.csv --cell 1");
     SHELL("awk -F, -v OFS=, 'NR > 1 { print $1, $2; print $1 + 801, $2 }' heap.csv >two.csv");

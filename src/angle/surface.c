@@ -247,6 +247,12 @@ static rp_status find_flanks(size_t n, const double x[], const double h[], ang_p
         before = now;
         first = k + 1;
     }
+    /* a lone flank has a crown, a wall or the end of the grains on its other side, not half a slope */
+    const double *end = pile->flank[0][1].slope > 0.0 ? h : h + n - 1;
+    if (clear && pile->n_flanks == 1 && *end - lo < 0.5 * height)
+        return rp_fail(RP_NO_RESULT,
+                       "no pile: a flank of %zu points, and a second one that ends at %.2g of the height",
+                       pile->n_flank[0], (*end - lo) / height);
     if (clear && (pile->n_flanks == 1 || pile->n_flanks == 2)) return RP_OK;
     return rp_fail(
         RP_NO_RESULT,
