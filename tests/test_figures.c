@@ -385,6 +385,33 @@ static bool letters_are_readable(const char *svg)
     return good;
 }
 
+/* The next text's place, and whether it stands upright; NULL after the last one. */
+static const char *next_text(const char *at, double place[2], bool *upright)
+{
+    while ((at = strstr(at + 1, "<g transform=\"translate(")))
+        if (sscanf(at, "<g transform=\"translate(%lf,%lf)", place, place + 1) == 2) break;
+    *upright = at && strncmp(strchr(at, ')') + 1, " rotate", 7) == 0;
+    return at;
+}
+
+/* No text leaves the picture, and lines that begin beside one another have a line's distance. */
+static bool texts_are_apart(const char *svg)
+{
+    const char *size = strstr(svg, " height=\"");
+    const double height = size ? strtod(size + 9, NULL) : NAN;
+    double a[2], b[2];
+    bool good = true, upright, other;
+    for (const char *text = svg; (text = next_text(text, a, &upright));) {
+        bool clear = upright ? a[0] > LEAST_LETTERS : a[1] < height - 0.3 * LEAST_LETTERS;
+        for (const char *more = text; !upright && (more = next_text(more, b, &other));)
+            clear &= other || fabs(a[0] - b[0]) > 3.0 * LEAST_LETTERS || fabs(a[1] - b[1]) < 1.0 ||
+                     fabs(a[1] - b[1]) > 1.2 * LEAST_LETTERS;
+        if (!clear) fprintf(stderr, "text at (%g, %g) leaves the picture or meets another\n", a[0], a[1]);
+        good &= clear;
+    }
+    return good;
+}
+
 /* Borders of panels: closed rectangles in black. Text is drawn beside them. */
 static bool panels_are_alike(const char *svg, bool own_height)
 {
@@ -398,7 +425,7 @@ static bool panels_are_alike(const char *svg, bool own_height)
         const double size[2] = {fabs(b[4] - b[0]), fabs(b[5] - b[1])};
         if (size[1] < PER_CM) continue; /* of colours */
         if (isnan(first[0])) memcpy(first, size, sizeof first);
-        const bool wide = fabs(size[0] - 15.2 * PER_CM) < 3.0, narrow = fabs(size[0] - 6.6 * PER_CM) < 3.0;
+        const bool wide = fabs(size[0] - 14.9 * PER_CM) < 3.0, narrow = fabs(size[0] - 6.3 * PER_CM) < 3.0;
         if (!(wide || narrow) || (!own_height && fabs(size[1] - 4.6 * PER_CM) > 3.0) ||
             fabs(size[0] - first[0]) > 1.5 || fabs(size[1] - first[1]) > 1.5) {
             fprintf(stderr, "panel of %.2f cm x %.2f cm\n", size[0] / PER_CM, size[1] / PER_CM);
@@ -444,7 +471,7 @@ static bool is_set_out(const char *figure)
     slurp(path, text, sizeof text);
     const bool own_height = strstr(text, "ratio = ") || file_holds("set", "set size ratio -1");
     const bool readable = letters_are_readable(svg), alike = panels_are_alike(svg, own_height),
-               good = legend_is_of_drawn() && readable && alike;
+               apart = texts_are_apart(svg), good = legend_is_of_drawn() && readable && alike && apart;
     if (!good) fprintf(stderr, "%s: layout\n", figure);
     return good;
 }

@@ -9,7 +9,7 @@ opened = real(pick('lh1/row_0/phases.tsv', 'phase', 'filled', 'step'))
 from = 60
 to = 63
 set xlabel 'iteration (thousands)'
-set ylabel 'energy per grain (erg)' offset 1.4
+set ylabel 'energy per grain (erg)' offset aside + 1
 eval panel(1, '(a) whole run')
 set logscale y
 set format y '10^{%T}'
@@ -20,7 +20,7 @@ plot t('lh1/row_0/energy.tsv') using (column('step')/1000):(column('kinetic_per_
 unset arrow 1
 unset logscale y
 eval panel(2, '(b) oscillation of the pile')
-set ylabel 'energy per grain (10^{-6} erg)' offset 0.4
+set ylabel 'energy per grain (10^{-6} erg)' offset aside
 set format y '%h'
 set yrange [0:*]
 set xrange [from:to]

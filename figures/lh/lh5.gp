@@ -24,7 +24,7 @@ plot t('lh5/row_0/series_theta.tsv') using (column('step')/1e5):(column('theta')
      opened with lines ls theory title sprintf('mean {/:Italic θ}_R of opened boxes, same floor, %.1f', opened)
 unset arrow 1
 eval panel(2, '(b) each pile after the transient')
-set xlabel '{/:Italic v}_{cut} (cm/s)' offset -4, 0.6
+set xlabel '{/:Italic v}_{cut} (cm/s)' offset -4, upwards
 set xrange [0.4:4.6]
 set yrange [12:30]
 set xtics ('0.1' 1, '0.01' 2, '0.001' 3, 'opened' 4)

@@ -24,7 +24,7 @@ set xlabel '{/:Italic ω} Δ{/:Italic t}'
 set ylabel 'frequency / {/:Italic ω}'
 unset logscale y
 set format y '%g'
-set ylabel offset 0.4
+set ylabel offset aside
 set xrange [0.02:50]
 set yrange [0:1.6]
 plot within(0.02, 35, x, 2.0/x*atan(0.5*x)) with lines ls 11 title '2 atan({/:Italic ω} Δ{/:Italic t}/2)/({/:Italic ω} Δ{/:Italic t})', \
