@@ -173,6 +173,31 @@ static void test_forces(void)
     }
 }
 
+/* Grains apart from one another, over a region's lower end at -3 d: a straight surface; then a shift of 0.3 d
+ * and a strain of 0.2 along x, less than which only the xy pattern of 0.1 is left. */
+static void test_surface_and_motion(void)
+{
+    static const char text[] =
+        "dt = 1.0e-4; gravity = [0.0, 0.0];\n"
+        "particles = ( { x = 1.0; y = -2.0; vx = 10.0; vy = 10.0; r = 0.5; },\n"
+        "  { x = 3.0; y = -2.0; vx = 50.0; vy = -10.0; r = 0.5; },\n"
+        "  { x = 1.0; y = 0.0; vx = 10.0; vy = -10.0; r = 0.5; },\n"
+        "  { x = 3.0; y = 0.0; vx = 50.0; vy = 10.0; r = 0.5; },\n"
+        "  { x = 10.5; y = -0.5; r = 0.5; }, { x = 11.5; y = -1.0; r = 0.5; },\n"
+        "  { x = 12.5; y = -1.5; r = 0.5; }, { x = 13.5; y = -2.0; r = 0.5; },\n"
+        "  { x = 14.5; y = -2.5; r = 0.5; } );\n"
+        "regions = { four = { x = (0.0, 4.0); y = (-3.0, 9.0); }; stairs = { x = (10.0, 15.0); y = (-3.0, "
+        "9.0); }; };\n"
+        "phases = ( { name = `move`; steps = 100; } );\n"
+        "measure = ( { name = `u`; of = `motion`; in = `four`; },\n"
+        "  { name = `s`; of = `slope`; in = `stairs`; } );\n";
+    RUN_TRIAL(t, text, 1000, "ok");
+    CHECK_EACH(measured(&t, NAME), 1e-9, {"u_nonaffine", 0.1}, {"u_share", 0.01 / (0.01 + 0.04)},
+               {"u_x", 0.5}, {"u_y", 2.0}, {"u_depth", 1.0}, {"u_all_y", 2.0}, {"u_reach", hypot(0.5, 0.1)},
+               {"s_r1_deg", atan(0.5) * 180.0 / M_PI}, {"s_r2_deg", atan(0.5) * 180.0 / M_PI},
+               {"s_r3_deg", atan(0.5) * 180.0 / M_PI}, {"s_cells", 5.0});
+}
+
 static const char hopper[] =
     "let = { D = { value = 1.6; unit = `cm`; range = `(0, 6)`; meaning = `outlet`; }; mu = 0.2; N = 60; stop "
     "= 20; };\n"
@@ -853,8 +878,8 @@ static void test_random_texts(void)
 }
 
 CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, test_rest_by_gravity,
-                   test_looks_at_rest, test_phases, test_known_so_far, test_forces, test_walls, test_vibrated,
-                   test_modules, test_flanks_of_touching, test_avalanches, test_limits_of_radii,
-                   test_more_modules, test_refused_more, test_cuts, test_kept, test_started_at, test_words,
-                   test_refused, test_keys, test_random_texts, test_run, test_resumed, test_swept,
-                   test_shared_ends, test_sweeps_refused)
+                   test_looks_at_rest, test_phases, test_known_so_far, test_forces, test_surface_and_motion,
+                   test_walls, test_vibrated, test_modules, test_flanks_of_touching, test_avalanches,
+                   test_limits_of_radii, test_more_modules, test_refused_more, test_cuts, test_kept,
+                   test_started_at, test_words, test_refused, test_keys, test_random_texts, test_run,
+                   test_resumed, test_swept, test_shared_ends, test_sweeps_refused)
