@@ -87,6 +87,12 @@ static void test_table(void)
     GOOD("calibrate fit.cfg");
     CHECK_NEAR(found("a", "value"), 0.5, 0.02);
     CHECK_NEAR(found("a", "se"), hypot(hypot(0.02, 0.01), 0.006) / 3.0, 0.001);
+    /* an angle beside the number is no setting; what takes two values at each point is */
+    SHELL("awk -v OFS='\t' '{ print $0, NR == 1 ? \"z\" : $2 + 1, NR == 1 ? \"replica\" : NR % 2 }' t.tsv >u "
+          "&& mv u t.tsv");
+    GOOD("calibrate fit.cfg");
+    SHELL("sed -i s/replica/gamma/ t.tsv");
+    FAILS(65, "t.tsv: gamma is a setting: at every point it goes from 0 to 1", "calibrate fit.cfg");
 }
 
 /* A folder that is there and holds what is somebody's, of a name with a blank; again. */

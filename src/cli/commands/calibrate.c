@@ -353,6 +353,49 @@ static rp_status run_stage(void *host, size_t stage, size_t *n, const double **x
     return RP_OK;
 }
 
+/* Is a column of runs one that is fitted, varied or of no meaning? */
+static bool is_used(const problem *s, const char *column)
+{
+    static const char *const of_none[] = {"run", "replica", "pile", "seed", "seconds"};
+    bool used = false;
+    for (size_t k = 0; k < s->quest.n_numbers; k++) used |= strcmp(s->number[k].of, column) == 0;
+    for (size_t i = 0; i < s->quest.n_names; i++) used |= strcmp(s->name[i], column) == 0;
+    for (size_t i = 0; i < N_OF(of_none); i++) used |= strcmp(of_none[i], column) == 0;
+    return used;
+}
+
+/* Rows of a point are repeats: none of them may be a setting, a column with the same few values at each
+ * point. */
+static rp_status refuse_settings(const problem *s, const rp_table *t, const size_t at[])
+{
+    typedef struct {
+        double n, least, most, sum;
+    } range;
+    RP_SCOPE(arena);
+    range *of;
+    RP_NEW(&arena, of, s->n_table_points);
+    for (size_t c = 0; c < t->n_columns; c++) {
+        bool setting = s->n_table_points > 1 && !is_used(s, t->names[c]);
+        for (size_t i = 0; i < s->n_table_points; i++) of[i] = (range){0.0, INFINITY, -INFINITY, 0.0};
+        for (size_t row = 0; row < t->n_rows && setting; row++) {
+            double v;
+            if (!is_result_of(t, row)) continue;
+            setting = !rp_table_number(t, row, (int)c, 1, &v) && isfinite(v);
+            range *r = &of[at[row]];
+            if (setting) *r = (range){r->n + 1.0, fmin(r->least, v), fmax(r->most, v), r->sum + v};
+        }
+        for (size_t i = 0; i < s->n_table_points && setting; i++)
+            setting = of[i].least < of[i].most && memcmp(&of[i], of, sizeof *of) == 0;
+        if (setting)
+            return rp_fail(
+                RP_BAD_INPUT,
+                "%s: %s is a setting: at every point it goes from %g to %g; fit it too, leave rows "
+                "of one value, or call it replica if it only counts",
+                t->path, t->names[c], of->least, of->most);
+    }
+    return RP_OK;
+}
+
 /* Points and numbers of tables: rows with equal names are runs of one point. */
 static rp_status read_tables(problem *s)
 {
@@ -383,8 +426,10 @@ static rp_status read_tables(problem *s)
         }
     }
     RP_NEW(s->call->arena, s->runs, s->n_table_points * s->quest.n_numbers);
-    for (size_t g = 0; g < s->quest.n_groups; at += s->group[g++].table->n_rows)
+    for (size_t g = 0; g < s->quest.n_groups; at += s->group[g++].table->n_rows) {
+        RP_TRY(refuse_settings(s, s->group[g].table, at));
         RP_TRY(take_numbers(s, g, s->n_table_points, at, 0, s->runs));
+    }
     return RP_OK;
 }
 
@@ -403,17 +448,6 @@ static const char *combination(const problem *s, const stats_answer *a)
                    : rp_text(s->call->arena, "%s%s%.3g %s", text, sign, fabs(w), s->name[p]);
     }
     return text;
-}
-
-/* Is a column of runs one that is fitted, varied or of no meaning? */
-static bool is_used(const problem *s, const char *column)
-{
-    static const char *const of_none[] = {"run", "replica", "pile", "seconds"};
-    bool used = false;
-    for (size_t k = 0; k < s->quest.n_numbers; k++) used |= strcmp(s->number[k].of, column) == 0;
-    for (size_t i = 0; i < s->quest.n_names; i++) used |= strcmp(s->name[i], column) == 0;
-    for (size_t i = 0; i < N_OF(of_none); i++) used |= strcmp(of_none[i], column) == 0;
-    return used;
 }
 
 /* The slope of a column across the combination, beside its scatter, by a straight line through the rows; 0
