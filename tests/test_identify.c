@@ -9,6 +9,8 @@
 #include "core/arena.h"
 #include "core/random.h"
 #include "stats/identify.h"
+#include "stats/stats.h"
+#include "tests/numbers.h"
 
 /* A simulation that is known: numbers of the names, and the scatter of its runs. */
 typedef struct {
@@ -232,4 +234,40 @@ static void test_statuses(void)
     CHECK_PAIRS(1e-12, {a.correlation[0][0], 1.0}, {a.correlation[0][1], a.correlation[1][0]});
 }
 
-CHECK_SUITE(identify, "identify", test_one, test_two, test_three, test_arch, test_degenerate, test_statuses)
+/* A curved valley a thousandth as wide as the box, which a grid misses. */
+typedef struct {
+    double at[3], along[3][3];
+} valley;
+
+static double depth_in(unsigned n, const double x[], double gradient[], void *data)
+{
+    static const double width[] = {0.001, 0.01, 0.1};
+    const valley *v = data;
+    double sum = 0.0;
+    (void)gradient;
+    for (int k = 0; k < 3; k++) {
+        double d = 0.0;
+        for (unsigned i = 0; i < n; i++)
+            d += v->along[k][i] * (x[i] - v->at[i]) * (1.0 + 0.3 * (x[i] + v->at[i]));
+        sum += d * d / (width[k] * width[k]);
+    }
+    return sum;
+}
+
+static void test_valleys(void)
+{
+    static const double lo[3] = {0.0}, hi[3] = {1.0, 1.0, 1.0};
+    scoped_rng *rng = numbers_of(3, 11);
+    for (int c = 0; c < 100; c++) {
+        valley v;
+        double x[3], value;
+        for (int i = 0; i < 3; i++) v.at[i] = 0.1 + 0.8 * gsl_rng_uniform(rng);
+        for (int i = 0; i < 9; i++) v.along[i / 3][i % 3] = gsl_ran_gaussian(rng, 1.0);
+        for (int i = 0; i < 3; i++) v.along[1][i] = v.along[0][i] + 0.3 * v.along[1][i];
+        CHECK_OK(stats_least(&(stats_minimum){depth_in, &v, 3, lo, hi, 8, c % 2, NULL}, x, &value));
+        CHECK_NEAR(value, 0.0, 1e-6);
+    }
+}
+
+CHECK_SUITE(identify, "identify", test_valleys, test_one, test_two, test_three, test_arch, test_degenerate,
+            test_statuses)

@@ -143,15 +143,16 @@ static double chi2_at(unsigned n, const double x[], double gradient[], void *dat
     return sum;
 }
 
-/* Least chi2 in the box, or with one name held, from the best of a grid. */
-static rp_status least(search *s, size_t held, double at, double x[], double *chi2)
+/* Least chi2 in the box, or with one name held: then the best of all is a guess. */
+static rp_status least(search *s, size_t held, double at, const double guess[], double x[], double *chi2)
 {
     static const int cells[] = {1, 60, 16, 8}; /* by free names */
     const size_t p = s->q->n_names, n_free = p - (held < p);
     double lo[STATS_NAMES], hi[STATS_NAMES];
     memcpy(lo, s->lo, sizeof lo), memcpy(hi, s->hi, sizeof hi);
     if (held < p) lo[held] = hi[held] = at;
-    return stats_least(chi2_at, s, p, lo, hi, cells[n_free], x, chi2);
+    return stats_least(&(stats_minimum){chi2_at, s, p, lo, hi, cells[n_free], s->q->allowed != NULL, guess},
+                       x, chi2);
 }
 
 /* Values of a name at which its profile is looked at: over the box, and by its error about the best. */
@@ -173,12 +174,13 @@ static size_t place_nodes(const search *s, size_t p, double best, double se, dou
 }
 
 /* Where the profile passes the limit between a value inside and one outside. */
-static rp_status pass(search *s, size_t p, double inside, double outside, double limit, double *at)
+static rp_status pass(search *s, size_t p, const double best[], double inside, double outside, double limit,
+                      double *at)
 {
     double y[STATS_NAMES], chi2;
     while (fabs(outside - inside) > 1e-4 * (s->hi[p] - s->lo[p])) {
         const double middle = 0.5 * (inside + outside);
-        RP_TRY(least(s, p, middle, y, &chi2));
+        RP_TRY(least(s, p, middle, best, y, &chi2));
         *(chi2 > limit ? &outside : &inside) = middle;
     }
     return *at = 0.5 * (inside + outside), RP_OK;
@@ -195,14 +197,14 @@ static rp_status intervals_of(search *s, size_t p, const stats_answer *a, double
         if (at[k] == a->x[p])
             chi2[k] = a->chi2;
         else
-            RP_TRY(least(s, p, at[k], y, &chi2[k]));
+            RP_TRY(least(s, p, at[k], a->x, y, &chi2[k]));
         const bool in = chi2[k] <= limit, was = k > 0 && chi2[k - 1] <= limit;
         if (in && !was) { /* the last takes what is beyond */
             if (*n < STATS_INTERVALS) out[(*n)++].lower = at[k], lowest = INFINITY;
             if (k > 0 && out[*n - 1].lower == at[k])
-                RP_TRY(pass(s, p, at[k], at[k - 1], limit, &out[*n - 1].lower));
+                RP_TRY(pass(s, p, a->x, at[k], at[k - 1], limit, &out[*n - 1].lower));
         }
-        if (!in && was) RP_TRY(pass(s, p, at[k - 1], at[k], limit, &out[*n - 1].upper));
+        if (!in && was) RP_TRY(pass(s, p, a->x, at[k - 1], at[k], limit, &out[*n - 1].upper));
         if (in && k + 1 == nodes) out[*n - 1].upper = at[k];
         if (in && chi2[k] < lowest) lowest = chi2[k], out[*n - 1].value = at[k];
     }
@@ -286,7 +288,7 @@ static rp_status fit_all(search *s)
 static rp_status invert(search *s, bool intervals, stats_answer *a)
 {
     const double limit = gsl_cdf_chisq_Pinv(0.95, 1.0);
-    RP_TRY(least(s, SIZE_MAX, 0.0, a->x, &a->chi2));
+    RP_TRY(least(s, SIZE_MAX, 0.0, NULL, a->x, &a->chi2));
     take_errors(s, a);
     for (size_t p = 0; p < s->q->n_names && intervals; p++) {
         stats_interval *const of = a->interval[p];
@@ -395,7 +397,7 @@ static rp_status look_elsewhere(search *s, stats_answer *a)
             const stats_interval *of = &a->interval[p][i];
             double y[STATS_NAMES], chi2, v;
             if (of->lower <= a->x[p] && of->upper >= a->x[p]) continue;
-            RP_TRY(least(s, p, of->value, y, &chi2));
+            RP_TRY(least(s, p, of->value, a->x, y, &chi2));
             for (size_t k = 0; k < s->q->n_numbers; k++) {
                 value_at(s, k, y, &v);
                 s->widest[k] = fmax(s->widest[k], sqrt(v));

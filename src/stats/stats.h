@@ -167,10 +167,19 @@ rp_status stats_linear_fit(stats_linear *fit);
 /* A function of x[n], as NLopt has it, which asks for no gradient here. */
 typedef double stats_function(unsigned n, const double x[], double gradient[], void *data);
 
-/* Least value of f over a box of n dimensions, up to three: downhill from the best of a grid of so many cells
- * a side. A side with lo = hi is held. Sets x[n] and *value. Errors: RP_NO_MEMORY, RP_BROKEN. */
-rp_status stats_least(stats_function *f, void *data, size_t n, const double lo[], const double hi[],
-                      int cells, double x[], double *value);
+typedef struct {
+    stats_function *f;
+    void *data;
+    size_t n;              /* dimensions, up to three */
+    const double *lo, *hi; /* of each; a side with lo = hi is held */
+    int cells;             /* of the grid, a side */
+    bool steps;            /* the function has steps, where quadratic models of it fail */
+    const double *guess;   /* a place near to the least, but for held sides; NULL: unknown */
+} stats_minimum;
+
+/* Least value over the box: downhill from the best of the grid, and from the guess or, without one, from the
+ * middles of the halves of all sides. Sets x[n] and *value. Errors: RP_NO_MEMORY, RP_BROKEN. */
+rp_status stats_least(const stats_minimum *m, double x[], double *value);
 
 RP_C_END
 
