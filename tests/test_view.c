@@ -409,6 +409,12 @@ static void test_frames(void)
         top[k] = fabs(wall->y2 - wall->y) / (circles[1].x - circles[0].x) * 0.2;
     }
     CHECK_PAIRS(1e-3, {top[0], 0.5}, {top[1], 0.46}, {top[2], 0.41});
+    /* the end of a phase has a frame beside those of an interval, also of a text without a measure */
+    SHELL("sed 's/steps = 100;/phases = ( { name = \"one\"; steps = 30; }, { name = \"two\"; steps = 70; } "
+          ");/' "
+          "s.cfg >p.cfg && $REPOSE run p.cfg --every 50 -o p >out 2>err");
+    GOOD("view p -o a.svg --frame one");
+    SHELL("grep -q 'step 30, ' a.svg");
 }
 
 /* A film by ffmpeg where it is installed; else the message names its package. */

@@ -357,7 +357,7 @@ const char *rp_table_find_note(const rp_table *table, const char *key)
 const char *rp_table_next_note(const rp_table *table, const char *key, const char *previous)
 {
     const size_t n = strlen(key);
-    if (!table->cells) return NULL;
+    if (!table->text) return NULL;
     for (const char *line = previous ? previous + strlen(previous) + 1 : table->text; *line == '#';
          line += strlen(line) + 1)
         if (strncmp(line, "# ", 2) == 0 && strncmp(line + 2, key, n) == 0 &&

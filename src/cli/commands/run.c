@@ -188,13 +188,13 @@ static long steps_of(const scene_run *r)
     return r->exp ? exp_steps(r->exp) : dem_step(r->sim);
 }
 
-/* A frame of the tables whose turn it is at this step; of those without an interval at the end of a
- * stage; `last`: of all that have any. */
+/* A frame of the tables whose turn it is at this step or at the end of a stage; `last`: of all that have any.
+ */
 static rp_status write_frame(const scene_run *r, bool stage, bool last)
 {
     const long *every = r->plan.every, step = steps_of(r);
     for (int k = 0; k < CLI_GROWING; k++) {
-        const bool due = last ? every[k] != 0 : every[k] > 0 ? step % every[k] == 0 : stage && every[k];
+        const bool due = every[k] && (last || stage || (every[k] > 0 && step % every[k] == 0));
         if (due && table_of(r, k)) RP_TRY(dem_write_rows((dem_table)k, r->sim, table_of(r, k)));
     }
     return RP_OK;
