@@ -730,6 +730,18 @@ static void test_stress_tables(void)
     for (size_t i = 0; i < 4; i++)
         CHECK_EACH(cell(&t, i, NAME), 1e-8, {"N", n[i] / 0.2}, {"H", i == 2 ? 490.5 / 0.2 : 0.0},
                    {"weight", weight[i] / 0.2}, {"imbalance", 0.0});
+    /* the same 5 lower */
+    SHELL("awk -v FS='\t' -v OFS='\t' 'NR > 1 { $2 -= 5 } 1' p_grains.tsv >low_grains.tsv; "
+          "awk -v FS='\t' -v OFS='\t' 'NR > 1 { $4 -= 5; $6 -= 5 } 1' p_contacts.tsv >low_contacts.tsv");
+    for (int k = 0; k < 2; k++) {
+        const char *how = k ? "field %s --width 1.2 --cell 0.2" : "base %s --width 1.2 --cell 0.2";
+        scoped_table high = TABLE_OF("stress %s", check_text(how, "p")),
+                     low = TABLE_OF("stress %s", check_text(how, "low"));
+        CU_ASSERT_FATAL(low.n_rows == high.n_rows);
+        for (size_t i = 0; i < low.n_rows; i++)
+            CHECK_EACH(cell(&low, i, NAME) - cell(&high, i, NAME), 1e-9 * 2e4, {k ? "syy" : "N_theory", 0.0},
+                       {k ? "y/W" : "H_theory", 0.0});
+    }
     /* of a run's folder; of several steps one is named */
     SHELL("mkdir d; for t in contacts:contacts grains:states; do (sed '1s/# /# step\t/; 2,$s/^/1\t/' "
           "p_${t%:*}.tsv; sed '1d; s/^/2\t/' p_${t%:*}.tsv) >d/${t#*:}.tsv; done");
