@@ -897,15 +897,16 @@ static void test_stats_trends(void)
     }
     CHECK_EACH(cell(&t, 0, NAME), 1e-12, {"change", 2.25}, {"change_se", 0.25});
     CHECK_NEAR(cell(&t, 1, "change"), 0.0, 1e-12);
-    /* one word among numbers, wherever it stands, makes words of all */
-    static const char *const mixed[] = {"old\t1\n2\t2\n3\t4\n", "2\t1\nold\t2\n3\t4\n",
-                                        "2\t1\n3\t2\nold\t4\n"},
-                             *const words[] = {"old = 0, 2 = 1, 3 = 2", "2 = 0, old = 1, 3 = 2",
-                                               "2 = 0, 3 = 1, old = 2"};
-    for (size_t k = 0; k < sizeof mixed / sizeof *mixed; k++) {
-        write_text("mixed.tsv", "# x\ty\n%s", mixed[k]);
-        PRINTS(words[k], "stats trend mixed.tsv -x x -y y");
+    /* one word among numbers is an error of the table, wherever it stands; nan is a nan among words too */
+    static const char *const mixed[] = {"old\t1\n2\t2\n3\t4\n", "2\t1\n3\t2\nold\t4\n"};
+    for (int k = 0; k < 4; k++) {
+        write_text("mixed.tsv", "# x\ty\n%s", mixed[k / 2]);
+        FAILS(65, check_text("mixed.tsv:%d: column 1 x: \"old\" is not a finite number", k / 2 ? 4 : 2),
+              "stats trend mixed.tsv -x x -y y --scale %s", k % 2 ? "log" : "linear");
     }
+    write_text("mixed.tsv", "# x\ty\nnan\t7\nold\t1\nnew\t2\nnew\t4\n");
+    PRINTS("# words: old = 0, new = 1\n", "stats trend mixed.tsv -x x -y y");
+    CU_ASSERT(strstr(out, "3 used, 0 without result, 1 with nan") != NULL);
     write_text("runs.tsv", "# x\ty\n1\t2\n2\t4\n0\t1\n");
     FAILS(65, "runs.tsv:4: x = 0: out of range of this scale", "stats trend runs.tsv -x x -y y --scale log");
     FAILS(65, "no column \"pile\"", "stats trend runs.tsv -x x -y y --pair");
