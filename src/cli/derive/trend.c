@@ -123,10 +123,13 @@ static rp_status fit_groups(const cli_call *call, const rp_table *t, const rows 
         status = fit_group(r, g, o, size, &fits[g]);
         if (status && status != RP_NO_RESULT)
             return rp_prefix(status, "%s%s", r->groups.words[g], *r->groups.words[g] ? ": " : "");
-        with_result += status == RP_OK;
         p[g] = status ? NAN : stats_contrast_p(&fits[g].change);
+        with_result += !isnan(p[g]);
     }
-    if (with_result == 0) return status;
+    if (with_result == 0)
+        return status
+                   ? status
+                   : rp_fail(RP_NO_RESULT, "no trend: numbers so large or small that their squares overflow");
     stats_holm(n_groups, p, p_holm);
     cli_table(call, stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu without result, %zu with nan, %zu outside the range of x",
