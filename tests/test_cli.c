@@ -706,6 +706,19 @@ static void test_angle_tables(void)
     write_text("pile.tsv", "0.1 0.2\n0.3 0.2\n0.5 0.1\n");
     FAILS(1, "occupied", "angle slope pile.tsv --width 4 --cell 0.2");
     CU_ASSERT(strstr(out, "no_pile") != NULL);
+    for (int k = 0; k < 2; k++) { /* a valley, and a pile too small for its powers */
+        file = file_of("pile.tsv");
+        for (int i = -20; i <= 20; i++)
+            fprintf(file, k ? "%de-150\t%de-150\n" : "%d\t%d\n", 3 * i, k ? 20 - abs(i) : abs(i));
+        fclose(file);
+        FAILS(1, k ? "powers overflow" : "a valley, two flanks that fall inwards", "angle slope pile.tsv");
+        CU_ASSERT(strstr(out, "no_pile") != NULL);
+        if (k == 0) PRINTS("ok_mean", "angle slope pile.tsv --y-axis up");
+        if (k == 0) PRINTS("ok_mean", "angle slope pile.tsv --y-axis down");
+    }
+    write_text("steep.tsv", "mu\ttheta_r3_deg\ttheta_t_displacement_deg\n0.2\t-500\t3\n");
+    FAILS(65, "steep.tsv:2: theta_r3_deg = -500: out of range, allowed: (-90, 90)",
+          "angle compare steep.tsv");
     test_outline();
     test_slope_anywhere();
     write_text("line.tsv", "# mu\ttheta\tse\n0.05\t1.5\t0.1\n");
@@ -941,6 +954,11 @@ static void test_stats_select(void)
     write_text("n.tsv", "# eps\te\n-1\t1\n2\t2\n");
     FAILS(65, "eps = -1: out of range of this scale", "stats fit n.tsv -x eps -y e --scale log");
     FAILS(64, "give one of them", "stats fit p.tsv -x eps -y e --se e --scale log");
+    /* no result is none for the shell too */
+    write_text("n.tsv", "# x\ty\tz\n-1e308\t1\t5\n1e308\t2\t5\n0\t2\t5\n3\t1\t5\n");
+    FAILS(1, "no line: numbers so large", "stats fit n.tsv -x x -y y");
+    FAILS(1, "no trend: numbers so large", "stats trend n.tsv -x y -y x");
+    FAILS(1, "values are all equal", "stats correlation n.tsv -x z -y y");
 }
 
 /* ---- claims and report ---- */
