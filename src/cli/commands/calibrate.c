@@ -255,7 +255,7 @@ static rp_status column_of(const problem *s, const rp_table *table, size_t k, in
     rp_guess guess = rp_guess_of(s->number[k].of);
     *column = rp_table_column(table, s->number[k].of);
     for (size_t c = 0; c < table->n_columns; c++) rp_guess_try(&guess, table->names[c]);
-    return *column >= 0 ? RP_OK
+    return *column >= 0 ? rp_table_find(table, s->number[k].of, NULL, column) /* one of them */
                         : rp_fail(RP_BAD_INPUT, "of = \"%s\": the runs have no such column%s",
                                   s->number[k].of, rp_guess_text(&guess));
 }
