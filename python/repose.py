@@ -67,6 +67,8 @@ class Table:
             k = self.names.index(name) if name in self.names else None
             if k is None:
                 raise KeyError(f"no column {name!r} among {', '.join(self.names)}")
+            if self.names.count(name) > 1:
+                raise KeyError(f"several columns {name!r}")
             self._columns[name] = _column([row[k] for row in self.rows])
         return self._columns[name]
 
@@ -113,7 +115,7 @@ def read_store(path):
     The program reads them, those of shards that are not merged too, and checks each; notes["missing"] says how many
     are not stored."""
     path = pathlib.Path(path).absolute()
-    found = json.loads(_output("export", path if path.is_dir() else path.parent, "--to", "json", allowed=(0, 1)))
+    found = json.loads(_output("export", path.parent if path.name == "store.sqlite" else path, "--to", "json", allowed=(0, 1)))
     names = list(found["units"])
     return Table(names, [[row[name] for name in names] for row in found["rows"]], found["units"], found["notes"])
 

@@ -402,6 +402,15 @@ def package():
         raise AssertionError("a damaged row is read")
     tilt = repose.command("angle", "tilt", "--mu", 0.2, "--theta-r-deg", 18)
     assert abs(tilt["theta_t_deg"][0] - 4.834) < 1e-3 and tilt["status"] == ["ok"]
+    os.chdir("part")  # the folder that one is in is not meant by a name that is not there
+    for name in "typo", "../first/typo":
+        try:
+            repose.read_store(name)
+        except repose.Error as error:
+            assert "typo" in str(error), error
+        else:
+            raise AssertionError(name)
+    os.chdir("..")
     for wrong, status in ((("run", "nowhere.cfg"), 65), (("angle", "tilt"), 64)):
         try:
             repose.command(*wrong)

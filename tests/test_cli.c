@@ -706,6 +706,19 @@ static void test_angle_tables(void)
     write_text("pile.tsv", "0.1 0.2\n0.3 0.2\n0.5 0.1\n");
     FAILS(1, "occupied", "angle slope pile.tsv --width 4 --cell 0.2");
     CU_ASSERT(strstr(out, "no_pile") != NULL);
+    for (int k = 0; k < 2; k++) { /* a valley, and a pile too small for its powers */
+        file = file_of("pile.tsv");
+        for (int i = -20; i <= 20; i++)
+            fprintf(file, k ? "%de-150\t%de-150\n" : "%d\t%d\n", 3 * i, k ? 20 - abs(i) : abs(i));
+        fclose(file);
+        FAILS(1, k ? "powers overflow" : "a valley, two flanks that fall inwards", "angle slope pile.tsv");
+        CU_ASSERT(strstr(out, "no_pile") != NULL);
+        if (k == 0) PRINTS("ok_mean", "angle slope pile.tsv --y-axis up");
+        if (k == 0) PRINTS("ok_mean", "angle slope pile.tsv --y-axis down");
+    }
+    write_text("steep.tsv", "mu\ttheta_r3_deg\ttheta_t_displacement_deg\n0.2\t-500\t3\n");
+    FAILS(65, "steep.tsv:2: theta_r3_deg = -500: out of range, allowed: (-90, 90)",
+          "angle compare steep.tsv");
     test_outline();
     test_slope_anywhere();
     write_text("line.tsv", "# mu\ttheta\tse\n0.05\t1.5\t0.1\n");
@@ -730,6 +743,18 @@ static void test_stress_tables(void)
     for (size_t i = 0; i < 4; i++)
         CHECK_EACH(cell(&t, i, NAME), 1e-8, {"N", n[i] / 0.2}, {"H", i == 2 ? 490.5 / 0.2 : 0.0},
                    {"weight", weight[i] / 0.2}, {"imbalance", 0.0});
+    /* the same 5 lower */
+    SHELL("awk -v FS='\t' -v OFS='\t' 'NR > 1 { $2 -= 5 } 1' p_grains.tsv >low_grains.tsv; "
+          "awk -v FS='\t' -v OFS='\t' 'NR > 1 { $4 -= 5; $6 -= 5 } 1' p_contacts.tsv >low_contacts.tsv");
+    for (int k = 0; k < 2; k++) {
+        const char *how = k ? "field %s --width 1.2 --cell 0.2" : "base %s --width 1.2 --cell 0.2";
+        scoped_table high = TABLE_OF("stress %s", check_text(how, "p")),
+                     low = TABLE_OF("stress %s", check_text(how, "low"));
+        CU_ASSERT_FATAL(low.n_rows == high.n_rows);
+        for (size_t i = 0; i < low.n_rows; i++)
+            CHECK_EACH(cell(&low, i, NAME) - cell(&high, i, NAME), 1e-9 * 2e4, {k ? "syy" : "N_theory", 0.0},
+                       {k ? "y/W" : "H_theory", 0.0});
+    }
     /* of a run's folder; of several steps one is named */
     SHELL("mkdir d; for t in contacts:contacts grains:states; do (sed '1s/# /# step\t/; 2,$s/^/1\t/' "
           "p_${t%:*}.tsv; sed '1d; s/^/2\t/' p_${t%:*}.tsv) >d/${t#*:}.tsv; done");
@@ -885,15 +910,16 @@ static void test_stats_trends(void)
     }
     CHECK_EACH(cell(&t, 0, NAME), 1e-12, {"change", 2.25}, {"change_se", 0.25});
     CHECK_NEAR(cell(&t, 1, "change"), 0.0, 1e-12);
-    /* one word among numbers, wherever it stands, makes words of all */
-    static const char *const mixed[] = {"old\t1\n2\t2\n3\t4\n", "2\t1\nold\t2\n3\t4\n",
-                                        "2\t1\n3\t2\nold\t4\n"},
-                             *const words[] = {"old = 0, 2 = 1, 3 = 2", "2 = 0, old = 1, 3 = 2",
-                                               "2 = 0, 3 = 1, old = 2"};
-    for (size_t k = 0; k < sizeof mixed / sizeof *mixed; k++) {
-        write_text("mixed.tsv", "# x\ty\n%s", mixed[k]);
-        PRINTS(words[k], "stats trend mixed.tsv -x x -y y");
+    /* one word among numbers is an error of the table, wherever it stands; nan is a nan among words too */
+    static const char *const mixed[] = {"old\t1\n2\t2\n3\t4\n", "2\t1\n3\t2\nold\t4\n"};
+    for (int k = 0; k < 4; k++) {
+        write_text("mixed.tsv", "# x\ty\n%s", mixed[k / 2]);
+        FAILS(65, check_text("mixed.tsv:%d: column 1 x: \"old\" is not a finite number", k / 2 ? 4 : 2),
+              "stats trend mixed.tsv -x x -y y --scale %s", k % 2 ? "log" : "linear");
     }
+    write_text("mixed.tsv", "# x\ty\nnan\t7\nold\t1\nnew\t2\nnew\t4\n");
+    PRINTS("# words: old = 0, new = 1\n", "stats trend mixed.tsv -x x -y y");
+    CU_ASSERT(strstr(out, "3 used, 0 without result, 1 with nan") != NULL);
     write_text("runs.tsv", "# x\ty\n1\t2\n2\t4\n0\t1\n");
     FAILS(65, "runs.tsv:4: x = 0: out of range of this scale", "stats trend runs.tsv -x x -y y --scale log");
     FAILS(65, "no column \"pile\"", "stats trend runs.tsv -x x -y y --pair");
@@ -928,6 +954,11 @@ static void test_stats_select(void)
     write_text("n.tsv", "# eps\te\n-1\t1\n2\t2\n");
     FAILS(65, "eps = -1: out of range of this scale", "stats fit n.tsv -x eps -y e --scale log");
     FAILS(64, "give one of them", "stats fit p.tsv -x eps -y e --se e --scale log");
+    /* no result is none for the shell too */
+    write_text("n.tsv", "# x\ty\tz\n-1e308\t1\t5\n1e308\t2\t5\n0\t2\t5\n3\t1\t5\n");
+    FAILS(1, "no line: numbers so large", "stats fit n.tsv -x x -y y");
+    FAILS(1, "no trend: numbers so large", "stats trend n.tsv -x y -y x");
+    FAILS(1, "values are all equal", "stats correlation n.tsv -x z -y y");
 }
 
 /* ---- claims and report ---- */

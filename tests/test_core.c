@@ -428,6 +428,17 @@ static void table_forms(void)
     CU_ASSERT_STRING_EQUAL(strstr(rp_message(), " ..."), " ...");
     CHECK_OK(read_as("say\ty\na few words\t2\n3\t4\n", &t)); /* tabs alone, where blanks belong to texts */
     CU_ASSERT(t.n_rows == 2 && strcmp(t.cells[0], "a few words") == 0 && strcmp(t.cells[1], "2") == 0);
+    static const char *const blanks[] = {"a mu,of y\n1,a b\n3,c\n", "a mu , of y\n1, a b \n3,c\n",
+                                         "a mu\tof y\n1\ta b\n3\tc\n", "# a mu\tof y\n1\ta_b\n3\tc\n",
+                                         "a mu,of y\n"};
+    for (size_t i = 0; i < 5; i++) { /* names with blanks */
+        CHECK_OK(read_as(blanks[i], &t));
+        CU_ASSERT(t.n_columns == 2 && rp_table_column(&t, "a mu") == 0 && rp_table_column(&t, "of y") == 1);
+        CU_ASSERT(i == 4 || (t.n_rows == 2 && strcmp(t.cells[1], i == 3 ? "a_b" : "a b") == 0));
+    }
+    CHECK_OK(read_as("x,y,x\n1,2,3\n", &t));
+    CHECK_FAILS(rp_table_find(&t, "x", NULL, &column), RP_BAD_INPUT, "columns 1 and 3 are both \"x\"");
+    CHECK_OK(rp_table_find(&t, "y", NULL, &column));
     CHECK_FAILS(read_as("x,y\n1,2\n3,,4\n", &t), RP_BAD_INPUT, ":3: an empty cell");
     CHECK_FAILS(read_as("x,y\n1,2\n5,\n", &t), RP_BAD_INPUT, ":3: 1 cells where 2 are expected");
     /* quotes around names and cells; a first column without a name is an index */

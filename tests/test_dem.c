@@ -935,7 +935,30 @@ static void bad_definitions(void)
              bad.material.mu = bad.walls[0].material.mu = 0.0),
             "mu_roll = 0.1: needs a tangential law");
     REFUSES(bad.n_walls = 9, "9 walls");
+    static const struct {
+        dem_contact c;
+        const char *text;
+    } wrong[] = {
+        {{.id_a = 0, .wall = -1}, "contact 1: of grain 0 with wall -1: there are 2 grains and 1 walls"},
+        {{.id_a = 1, .wall = 1}, "of grain 1 with wall 1"},
+        {{.id_a = 3, .id_b = 1}, "of grain 3 with grain 1"},
+        {{.id_a = 1, .id_b = 3}, "of grain 1 with grain 3"},
+        {{.id_a = 2, .id_b = 2}, "of grain 2 with grain 2"},
+        {{.id_a = 1, .id_b = 2, .shear_spring = NAN}, "springs of nan and 0"}};
+    for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++)
+        REFUSES((bad.contacts = &wrong[k].c, bad.n_contacts = 1), wrong[k].text);
 #undef REFUSES
+    CHECK_OK(dem_create(&def, &sim));
+    CHECK_FAILS(dem_wall_move(sim, 77, (double[]){1.0, 0.0}, 0.0), RP_BAD_INPUT, "wall 77: there are 1");
+    CHECK_FAILS(dem_wall_open(sim, 77, INF), RP_BAD_INPUT, "wall 77: there are 1");
+    CHECK_FAILS(dem_wall_open(sim, 0, NAN), RP_BAD_INPUT, "open_speed = nan");
+    CHECK_FAILS(dem_gravity_set(sim, (double[]){NAN, 0.0}), RP_BAD_INPUT, "gravity = [nan, 0]");
+    CHECK_FAILS(dem_gravity_turn(sim, INF), RP_BAD_INPUT, "turn of gravity = inf");
+    CHECK_FAILS(dem_box_turn(sim, 3.0), RP_BAD_INPUT, "turn of the box = 3");
+    CU_ASSERT(dem_wall_now(sim, 77).direction[1] == 0.0 && !dem_wall_now(sim, 0).open);
+    bad = def, bad.n_walls = 0;
+    CHECK_FAILS(dem_change(&sim, &bad), RP_BAD_INPUT, "0 walls: there are 1");
+    dem_free(sim);
 }
 
 /* What a definition is before anything is given, and a box. */

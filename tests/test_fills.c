@@ -124,6 +124,15 @@ static void test_patterns(void)
     for (size_t i = 1; i < n; i++) CU_ASSERT(grains[i].y + 0.1 <= 1.5 && grains[i].x + 0.1 <= 4.0 + 1e-9);
     f.N = 200;
     CHECK_FAILS(dem_fill_grains(&f, grains, &n), RP_NO_RESULT, "have room");
+    double *const numbers[] = {&f.W, &f.H, &f.x0, &f.spacing, &f.density, &f.radius_mean, &f.radius_width};
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
+        const double before = *numbers[k];
+        *numbers[k] = NAN;
+        CHECK_FAILS(dem_fill_grains(&f, grains, &n), RP_BAD_INPUT, "must be finite");
+        *numbers[k] = before;
+    }
+    f.pattern = DEM_PATTERN_RANDOM, f.N = -1;
+    CHECK_FAILS(dem_fill_grains(&f, grains, &n), RP_BAD_INPUT, "N = -1");
     free(grains);
 }
 

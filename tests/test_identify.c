@@ -16,6 +16,7 @@
 typedef struct {
     size_t n_names, n_numbers;
     bool degenerate, arch; /* every number is one of the same sum; rises and falls */
+    double fails;          /* the sum of the first two names above which runs have no number; 0: none */
     double scatter[STATS_NUMBERS];
     gsl_rng *noise;
     rp_arena arena;
@@ -44,9 +45,10 @@ static rp_status run(void *host, size_t stage, size_t *n, const double **x, cons
     for (size_t i = 0; i < *n; i++)
         for (size_t k = 0; k < s->n_numbers; k++) {
             stats_runs *r = &(*runs)[k * *n + i];
+            const double *at = &(*x)[i * s->n_names];
+            if (s->fails > 0.0 && at[0] + (s->n_names > 1 ? at[1] : 0.0) > s->fails) continue;
             for (size_t j = 0; j < replicas[0]; j++) {
-                const double y = number_of(s, k, &(*x)[i * s->n_names]) +
-                                 gsl_ran_gaussian(s->noise, s->scatter[k]),
+                const double y = number_of(s, k, at) + gsl_ran_gaussian(s->noise, s->scatter[k]),
                              d = y - r->mean;
                 r->n++, r->mean += d / r->n, r->squares += d * (y - r->mean);
                 s->runs++;
@@ -234,6 +236,33 @@ static void test_statuses(void)
     CHECK_PAIRS(1e-12, {a.correlation[0][0], 1.0}, {a.correlation[0][1], a.correlation[1][0]});
 }
 
+/* Where runs fail, nothing is found; a range ends there. */
+static void test_failing(void)
+{
+    static const struct {
+        double at;
+        stats_identified status;
+    } cases[] = {
+        {0.25, STATS_IDENTIFIED_OK}, {0.5, STATS_IDENTIFIED_AT_LEAST}, {0.8, STATS_IDENTIFIED_ABOVE_RANGE}};
+    for (size_t k = 0; k < 3; k++) {
+        scoped_stand_in s = {.n_names = 1, .n_numbers = 1, .scatter = {0.3}, .fails = 0.5};
+        stats_answer a;
+        s.noise = rp_random_alloc(12, k, RP_PURPOSE_TEST);
+        const stats_quest q = quest_of(&s, &cases[k].at, 0.3);
+        CHECK_OK(stats_identify(&q, &a));
+        CU_ASSERT(a.status[0] == cases[k].status && a.hi[0] <= 0.5 && a.hi[0] > 0.4 &&
+                  !(a.own[0].upper > 0.5));
+    }
+    scoped_stand_in s = {.n_names = 2, .n_numbers = 2, .scatter = {0.3, 0.3}, .fails = 1.0};
+    stats_answer a;
+    s.noise = rp_random_alloc(13, 1, RP_PURPOSE_TEST);
+    for (int k = 0; k < 2; k++) {
+        const stats_quest q = quest_of(&s, (double[]){0.3 + 0.3 * k, 0.3 + 0.3 * k}, 0.1);
+        CHECK_OK(stats_identify(&q, &a));
+        CU_ASSERT(a.status[0] == (k ? STATS_IDENTIFIED_NO_RUNS : STATS_IDENTIFIED_OK));
+    }
+}
+
 /* A curved valley a thousandth as wide as the box, which a grid misses. */
 typedef struct {
     double at[3], along[3][3];
@@ -270,4 +299,4 @@ static void test_valleys(void)
 }
 
 CHECK_SUITE(identify, "identify", test_valleys, test_one, test_two, test_three, test_arch, test_degenerate,
-            test_statuses)
+            test_statuses, test_failing)

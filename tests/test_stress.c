@@ -29,8 +29,8 @@ static void test_grids(void)
         for (int last = 0; last < 2; last++) {
             double far[] = {high[!last], high[last]};
             stress_pile piles[2];
-            piles[order] = (stress_pile){0, 3, NULL, NULL, low, low, mass};
-            piles[!order] = (stress_pile){0, 2, NULL, NULL, far, far, mass};
+            piles[order] = (stress_pile){0, 3, NULL, NULL, NULL, low, low, mass, 0.0};
+            piles[!order] = (stress_pile){0, 2, NULL, NULL, NULL, far, far, mass, 0.0};
             const stress_grid g = stress_grid_over(2, piles, 2.0, 0.6);
             CU_ASSERT(g.nx == 3 && g.ny == 5); /* cells of 2/3: 2.6 is in the fourth, and one is above */
             CHECK_PAIRS(tight, {g.dx, 2.0 / 3.0}, {g.dy, 2.0 / 3.0});
@@ -39,7 +39,7 @@ static void test_grids(void)
             CHECK_NEAR(size, 2.0 / 3.0, tight);
         }
     /* a cell that is wider than the box: one across */
-    const stress_pile one = {0, 3, NULL, NULL, low, low, mass};
+    const stress_pile one = {0, 3, NULL, NULL, NULL, low, low, mass, 0.0};
     const stress_grid g = stress_grid_over(1, &one, 2.0, 5.0);
     CU_ASSERT(g.nx == 1 && g.ny == 2 && g.dx == 2.0);
     CU_ASSERT_EQUAL(stress_floor_cells(1, &one, 2.0, 5.0, &size), 2);
@@ -50,24 +50,26 @@ static void test_grids(void)
  * What is beyond the three columns, on either side, does not count. */
 static void test_floor(void)
 {
-    enum { N = 9, COLUMNS = 3 };
+    enum { N = 10, COLUMNS = 3 };
     const double size = 0.5, g = 10.0;
     double x[] = {0.2, 0.7, -0.3, 1.6}, y[4] = {0.0}, m[] = {1.0, 2.0, 4.0, 8.0}, one_x = 0.5, one_m = 3.0;
-    bool floor[N] = {true, true}, one_floor = true;
-    stress_contact c[N] = {{0.2, 0.1, 0.2, 0.0, -3.0, 5.0},     /* floor */
-                           {1.6, 0.1, 1.6, 0.0, 7.0, 11.0},     /* floor, beyond */
-                           {0.7, 0.3, 0.2, 0.1, 1.0, 2.0},      /* from the first column to the second */
-                           {0.2, 0.3, 0.4, 0.1, 1.0, 7.0},      /* within the first */
-                           {0.2, 0.1, 0.0, 0.1, 9.0, 1.5},      /* wall */
-                           {0.2, 0.1, -0.1, 0.1, 9.0, 0.25},    /* the same, grains overlap it */
-                           {-0.3, 0.1, 0.3, 0.2, 1.0, 0.125},   /* from beyond */
-                           {1.2, 0.1, 1.7, 0.2, 1.0, 0.0625},   /* to beyond */
-                           {1.5, 0.1, 1.2, 0.2, 1.0, 0.03125}}; /* from where the columns end */
+    bool floor[N] = {true, true}, wall[N] = {true, true, [9] = true}, one_floor = true;
+    stress_contact c[N] = {{0.2, 0.1, 0.2, 0.0, -3.0, 5.0},    /* floor */
+                           {1.6, 0.1, 1.6, 0.0, 7.0, 11.0},    /* floor, beyond */
+                           {0.7, 0.3, 0.2, 0.1, 1.0, 2.0},     /* from the first column to the second */
+                           {0.2, 0.3, 0.4, 0.1, 1.0, 7.0},     /* within the first */
+                           {0.2, 0.1, 0.0, 0.1, 9.0, 1.5},     /* wall */
+                           {0.2, 0.1, -0.1, 0.1, 9.0, 0.25},   /* the same, grains overlap it */
+                           {-0.3, 0.1, 0.3, 0.2, 1.0, 0.125},  /* from beyond */
+                           {1.2, 0.1, 1.7, 0.2, 1.0, 0.0625},  /* to beyond */
+                           {1.5, 0.1, 1.2, 0.2, 1.0, 0.03125}, /* from where the columns end */
+                           {0.7, 0.1, 1.0, 0.1, -9.0, 0.75}};  /* wall on the right, at the third */
     stress_contact one = {0.5, 0.1, 0.5, 0.0, 0.5, 13.0};
-    const stress_pile piles[2] = {{N, 4, c, floor, x, y, m}, {1, 1, &one, &one_floor, &one_x, y, &one_m}};
+    const stress_pile piles[2] = {{N, 4, c, floor, wall, x, y, m, 0.0},
+                                  {1, 1, &one, &one_floor, &one_floor, &one_x, y, &one_m, 0.0}};
     static const double n[2][COLUMNS] = {{5.0, 0.0, 0.0}, {0.0, 13.0, 0.0}},
                         h[2][COLUMNS] = {{3.0, 0.0, 0.0}, {0.0, -0.5, 0.0}},
-                        weight[COLUMNS] = {10.0, 50.0, 0.0}, through[COLUMNS] = {0.375, -2.0, -0.03125};
+                        weight[COLUMNS] = {10.0, 50.0, 0.0}, through[COLUMNS] = {0.375, -2.75, -0.03125};
     stress_floor f[COLUMNS];
     CHECK_OK(stress_floor_forces(2, piles, size, g, COLUMNS, f));
     for (int k = 0; k < COLUMNS; k++) { /* of two values the error of the mean is half of their difference */

@@ -129,7 +129,7 @@ rp_status ang_one_sided(size_t n, const double x[], const double y[], const doub
  * (3) parabola through the running sum of h. Each is a linear combination of the heights, whose error is
  * propagated from the scatter of h about its least-squares line. h[n] are the heights of the cells
  * column[n] (ascending; NULL: 0, 1, ...) of width `cell`; n >= 3.
- * Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
+ * Errors: RP_BAD_INPUT, RP_NO_RESULT (overflow), RP_NO_MEMORY. */
 rp_status ang_slopes(size_t n, const size_t column[], const double h[], double cell, ang_parabola parabola,
                      ang_slope slopes[ANG_N_METHODS]);
 

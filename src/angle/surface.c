@@ -173,7 +173,8 @@ static combination running_sum(const heights *s, ang_parabola parabola)
     return (combination){c.slope / norm, c.gain / (norm * norm)};
 }
 
-static void find_slopes(const heights *s, double cell, ang_parabola parabola, ang_slope slopes[ANG_N_METHODS])
+static rp_status find_slopes(const heights *s, double cell, ang_parabola parabola,
+                             ang_slope slopes[ANG_N_METHODS])
 {
     double variance;
     combination line = straight_line(s, &variance);
@@ -181,7 +182,10 @@ static void find_slopes(const heights *s, double cell, ang_parabola parabola, an
     for (int i = 0; i < ANG_N_METHODS; i++) {
         double slope = all[i].slope / cell, se = sqrt(variance * all[i].gain) / cell;
         slopes[i] = (ang_slope){slope, se, rp_atan(slope), se / (1.0 + slope * slope)};
+        if (!isfinite(slope + se))
+            return rp_fail(RP_NO_RESULT, "no pile: numbers so large or small that their powers overflow");
     }
+    return RP_OK;
 }
 
 rp_status ang_slopes(size_t n, const size_t column[], const double h[], double cell, ang_parabola parabola,
@@ -197,9 +201,9 @@ rp_status ang_slopes(size_t n, const size_t column[], const double h[], double c
     double *x = malloc(n * sizeof *x);
     if (!x) return rp_fail(RP_NO_MEMORY, "slopes: out of memory");
     for (size_t k = 0; k < n; k++) x[k] = column ? (double)(column[k] - column[0]) : (double)k;
-    find_slopes(&(heights){n, x, h, 1.0}, cell, parabola, slopes);
+    const rp_status status = find_slopes(&(heights){n, x, h, 1.0}, cell, parabola, slopes);
     free(x);
-    return RP_OK;
+    return status;
 }
 
 /* Of n points, leave the surface, from *first on in the order of x; returns its number of points. */
@@ -241,7 +245,8 @@ static rp_status find_flanks(size_t n, const double x[], const double h[], ang_p
         if (before == -now && pile->n_flanks++ < 2) {
             const size_t i = pile->n_flanks - 1, m = pile->n_flank[i] = k - first;
             ang_slope *s = pile->flank[i];
-            if (m >= LEAST) find_slopes(&(heights){m, x + first, h + first, 0.0}, 1.0, ANG_PARABOLA_FREE, s);
+            if (m >= LEAST)
+                RP_TRY(find_slopes(&(heights){m, x + first, h + first, 0.0}, 1.0, ANG_PARABOLA_FREE, s));
             clear &= fabs(s[1].slope) > CLEAR * s[1].slope_se; /* 0 with fewer points */
         }
         before = now;

@@ -107,6 +107,8 @@ static rp_status renew(dem_sim **sim, const dem_definition *laws, const choice *
     dem_ledger sum;
     uint32_t *ids;
     RP_SCOPE(arena);
+    if (laws->n_walls != old->def.n_walls)
+        return rp_fail(RP_BAD_INPUT, "%zu walls: there are %zu, which stay", laws->n_walls, old->def.n_walls);
     if (old->def.box_turn_per_step != 0.0 || old->walls.turn[1] != 0.0)
         return rp_fail(RP_BAD_INPUT, "laws, dt and grains can't be changed in a box that turns");
     RP_NEW(&arena, ids, dem_count(old));
@@ -139,6 +141,23 @@ rp_status dem_remove(dem_sim **sim, dem_in_region *in, const void *region)
     return renew(sim, &(*sim)->def, &(choice){in, region});
 }
 
+static rp_status check_number(const dem_sim *sim, size_t wall)
+{
+    if (wall < sim->def.n_walls) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "wall %zu: there are %zu, from 0 on", wall, sim->def.n_walls);
+}
+
+rp_status dem_wall_open(dem_sim *sim, size_t wall, double speed)
+{
+    RP_TRY(check_number(sim, wall));
+    dem_wall next = sim->walls.wall[wall];
+    next.open_at_step = sim->step + 1, next.open_speed = speed;
+    RP_TRY(rp_prefix(dem_wall_check(&next), "wall %zu: ", wall + 1));
+    sim->walls.wall[wall] = next;
+    sim->walls.line[wall].plain = false;
+    return RP_OK;
+}
+
 /* Is a motion one that this wall can have? */
 static rp_status check_motion(const dem_sim *sim, size_t w, const dem_wall *wall, double *way)
 {
@@ -158,6 +177,7 @@ static rp_status check_motion(const dem_sim *sim, size_t w, const dem_wall *wall
 
 rp_status dem_wall_move(dem_sim *sim, size_t w, const double velocity[2], double omega)
 {
+    RP_TRY(check_number(sim, w));
     const dem_wall *wall = &sim->walls.wall[w];
     const dem_wall_line *line = &sim->walls.line[w];
     dem_wall next = *wall;

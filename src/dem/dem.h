@@ -290,20 +290,21 @@ typedef struct {
 rp_status dem_run_timed(dem_sim *sim, long steps, dem_phases *times);
 
 /* From the next step on: open wall number `wall` at `speed` (INFINITY: at once); turn gravity by this angle
- * a step (0 stops it), |angle| < 1; let gravity be g, from which a turn then continues. */
-void dem_wall_open(dem_sim *sim, size_t wall, double speed);
+ * a step (0 stops it), |angle| <= 1; let gravity be g, from which a turn then continues. Errors: RP_BAD_INPUT
+ * (no such wall, a speed that dem_create would refuse, an angle, g); then nothing has changed. */
+rp_status dem_wall_open(dem_sim *sim, size_t wall, double speed);
 
 /* From the next step on, wall number `wall` moves so from where it is, about its pivot, which has moved
- * along; NULL and NAN: as before. Errors: RP_BAD_INPUT (a motion that dem_create would refuse); then nothing
- * has changed. */
+ * along; NULL and NAN: as before. Errors: RP_BAD_INPUT (no such wall, a motion that dem_create would refuse);
+ * then nothing has changed. */
 rp_status dem_wall_move(dem_sim *sim, size_t wall, const double velocity[2], double omega);
-void dem_gravity_turn(dem_sim *sim, double radians_per_step);
-void dem_gravity_set(dem_sim *sim, const double g[2]);
+rp_status dem_gravity_turn(dem_sim *sim, double radians_per_step);
+rp_status dem_gravity_set(dem_sim *sim, const double g[2]);
 
-/* From the next step on, turn the walls rigidly about the origin by this angle a step, |angle| < 1; positive
- * lowers the side at +x, 0 stops them. A wall's velocity at a contact is the displacement of its point in the
- * step over dt. With fixed grains dem_run refuses. */
-void dem_box_turn(dem_sim *sim, double radians_per_step);
+/* From the next step on, turn the walls rigidly about the origin by this angle a step, |angle| <= 1, else
+ * RP_BAD_INPUT; positive lowers the side at +x, 0 stops them. A wall's velocity at a contact is the
+ * displacement of its point in the step over dt. With fixed grains dem_run refuses. */
+rp_status dem_box_turn(dem_sim *sim, double radians_per_step);
 
 /* Turn a point of the laboratory, the frame of all that is read of a simulation, into the box's frame, in
  * which the walls are where the definition has them. */
@@ -399,7 +400,7 @@ bool dem_ledger_read(const dem_sim *sim, dem_ledger *ledger);
 
 /* A wall as it is now, in the laboratory frame: the line through `point` with the unit normal `direction`,
  * between two ends along the direction turned clockwise, from the point; an infinite end has none. Nothing of
- * an open wall is left where both ends are equal. */
+ * an open wall is left where both ends are equal. All is 0 of a wall that there is not. */
 typedef struct {
     double point[2], direction[2], ends[2], force[2];
     double mu;
@@ -491,8 +492,8 @@ typedef struct {
 
 /* Draw radii, and place the grains: `grains` has room for dem_fill_most(fill), *n are placed, fill->N where
  * that is not -1.
- * Errors: RP_NO_RESULT (no room found in a million tries for a grain, or in a row or lattice for N: how many
- * have it), RP_NO_MEMORY. */
+ * Errors: RP_BAD_INPUT (a number that is not finite, radii), RP_NO_RESULT (no room found in a million tries
+ * for a grain, or in a row or lattice for N: how many have it), RP_NO_MEMORY. */
 rp_status dem_fill_grains(const dem_fill *fill, dem_grain *grains, size_t *n);
 size_t dem_fill_most(const dem_fill *fill);
 

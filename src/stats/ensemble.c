@@ -75,6 +75,8 @@ rp_status stats_correlate(size_t n, const double x[], const double y[], stats_co
     RP_TRY(stats_check_finite(n, x));
     RP_TRY(stats_check_finite(n, y));
     c->value = gsl_stats_correlation(x, 1, y, 1, n);
+    if (isnan(c->value))
+        return rp_fail(RP_NO_RESULT, "no correlation: a column whose values are all equal, or overflow");
     c->se = (1.0 - c->value * c->value) / sqrt(m - 1.0);
     const double z = atanh(c->value), half = quantile / sqrt(m - 3.0);
     c->lo = tanh(z - half);

@@ -30,7 +30,7 @@ typedef struct {
 } form;
 
 typedef struct {
-    const stats_quest *q;
+    stats_quest *q;                          /* a copy, whose range may lose its ends */
     double lo[STATS_NAMES], hi[STATS_NAMES]; /* the box */
     size_t n, room, n_terms;
     double *x;        /* of all points so far */
@@ -320,6 +320,30 @@ static rp_status add_points(search *s, size_t n, const double x[], const stats_r
     return RP_OK;
 }
 
+/* The range ends where runs do that have the numbers: a form says nothing of what is beyond. A design without
+ * failed points beyond has none by chance. */
+static void cut_range(search *s)
+{
+    const size_t P = s->q->n_names, K = s->q->n_numbers;
+    for (size_t p = 0; p < P; p++)
+        for (size_t k = 0; k < K; k++) {
+            double lo = INFINITY, hi = -INFINITY, least = s->q->fixed_runs ? -INFINITY : INFINITY,
+                   most = -least;
+            for (size_t i = 0; i < s->n; i++) {
+                const double x = s->x[i * P + p];
+                if (s->runs[k + K * i].n > 0.0)
+                    lo = fmin(lo, x), hi = fmax(hi, x);
+                else
+                    least = fmin(least, x), most = fmax(most, x);
+            }
+            if (!(hi > lo)) continue; /* too few points: fit_number says so */
+            if (least < lo) s->q->lo[p] = fmax(s->q->lo[p], fmin(lo, s->q->hi[p]));
+            if (most > hi) s->q->hi[p] = fmin(s->q->hi[p], fmax(hi, s->q->lo[p]));
+        }
+    for (size_t p = 0; p < P; p++)
+        s->lo[p] = fmax(s->lo[p], s->q->lo[p]), s->hi[p] = fmin(s->hi[p], s->q->hi[p]);
+}
+
 /* The next points of the sequence in the box. */
 static rp_status draw(const search *s, gsl_qrng *sobol, size_t n, double x[])
 {
@@ -486,15 +510,42 @@ static stats_identified status_of(const stats_quest *q, const stats_answer *a, s
                                               : STATS_IDENTIFIED_BUDGET;
 }
 
-static void judge(const stats_quest *q, bool converged, stats_answer *a)
+/* Does the point nearest to the best lack a number, or half of those in the intervals? */
+static bool lacks_runs(const search *s, const stats_answer *a)
 {
+    const size_t P = s->q->n_names, K = s->q->n_numbers;
+    double nearest = INFINITY;
+    size_t inside = 0, lacking = 0;
+    bool lacks = false;
+    for (size_t i = 0; i < s->n; i++) {
+        double d = 0.0;
+        bool whole = true, in = true;
+        for (size_t p = 0; p < P; p++) {
+            const double x = s->x[i * P + p];
+            d += pow((x - a->x[p]) / (s->q->hi[p] - s->q->lo[p]), 2.0);
+            in = in && x >= a->own[p].lower && x <= a->own[p].upper;
+        }
+        for (size_t k = 0; k < K; k++) whole = whole && s->runs[k + K * i].n > 0.0;
+        if (d < nearest || (d == nearest && whole)) nearest = d, lacks = !whole;
+        inside += in, lacking += in && !whole;
+    }
+    return lacks || 2 * lacking > inside;
+}
+
+static void judge(const search *s, bool converged, bool lacks, stats_answer *a)
+{
+    const stats_quest *q = s->q;
+    lacks = lacks || lacks_runs(s, a);
     a->dof = q->n_numbers > q->n_names ? q->n_numbers - q->n_names : 0;
     const bool match = a->chi2 <= gsl_cdf_chisq_Pinv(0.99, a->dof ? (double)a->dof : 1.0);
     const stats_identified none = q->n_numbers > 1             ? STATS_IDENTIFIED_NO_MATCH
                                   : q->value[0] > a->fitted[0] ? STATS_IDENTIFIED_ABOVE_RANGE
                                                                : STATS_IDENTIFIED_BELOW_RANGE;
     for (size_t p = 0; p < q->n_names; p++) {
+        a->lo[p] = q->lo[p], a->hi[p] = q->hi[p];
         a->status[p] = match ? status_of(q, a, p, converged) : none;
+        if (lacks && (a->status[p] == STATS_IDENTIFIED_OK || a->status[p] == STATS_IDENTIFIED_BUDGET))
+            a->status[p] = STATS_IDENTIFIED_NO_RUNS;
         if (a->se[p] > 10.0 * (q->hi[p] - q->lo[p])) a->se[p] = NAN; /* no number tells */
         if (match) continue;
         a->x[p] = a->se[p] = NAN, a->n_intervals[p] = 0;
@@ -506,7 +557,7 @@ static rp_status go(search *s, gsl_qrng *sobol, stats_answer *a)
 {
     const stats_quest *q = s->q;
     size_t replicas[STATS_NUMBERS], n = 8 * q->n_names + 4;
-    bool smaller = true, good = false, paid = true;
+    bool smaller = true, good = false, paid = true, lacks = false;
     double *x, last_lo[STATS_NAMES], last_hi[STATS_NAMES];
     for (size_t g = 0; g < STATS_NUMBERS; g++) replicas[g] = 2;
     for (;;) {
@@ -527,7 +578,11 @@ static rp_status go(search *s, gsl_qrng *sobol, stats_answer *a)
         RP_TRY(q->run(q->host, a->stages, &n, &points, replicas, &runs));
         RP_TRY(add_points(s, n, points, runs));
         a->stages++, a->n_runs += cost;
-        RP_TRY(fit_all(s));
+        cut_range(s);
+        const rp_status fitted = fit_all(s);
+        lacks = fitted == RP_NO_RESULT && a->stages > 1; /* the runs of a smaller box failed */
+        if (lacks) break;
+        RP_TRY(fitted);
         RP_TRY(invert(s, false, a));
         note_fits(s, a);
         memcpy(s->widest, a->fit_error, sizeof s->widest);
@@ -539,19 +594,21 @@ static rp_status go(search *s, gsl_qrng *sobol, stats_answer *a)
         if (!smaller && good) break;
         if (!smaller) double_replicas(s, replicas);
     }
-    if (!paid) memcpy(s->lo, last_lo, sizeof last_lo), memcpy(s->hi, last_hi, sizeof last_hi);
+    if (!paid || lacks) memcpy(s->lo, last_lo, sizeof last_lo), memcpy(s->hi, last_hi, sizeof last_hi);
+    cut_range(s);
     RP_TRY(fit_all(s));
     RP_TRY(invert(s, true, a));
     note_fits(s, a);
     note_points(s, a);
-    judge(q, q->fixed_runs || (!smaller && good), a);
+    judge(s, q->fixed_runs || (!smaller && good), lacks, a);
     return q->leave_out ? recover(s, a) : RP_OK;
 }
 
 rp_status stats_identify(const stats_quest *q, stats_answer *a)
 {
     *a = (stats_answer){0};
-    search s = {.q = q,
+    stats_quest own = *q;
+    search s = {.q = &own,
                 .skipped = SIZE_MAX,
                 .n_terms = q->n_names == 1 ? 4 : (q->n_names + 1) * (q->n_names + 2) / 2};
     for (size_t p = 0; p < q->n_names; p++)

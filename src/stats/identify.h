@@ -48,7 +48,8 @@ typedef struct {
     X(BUDGET, "budget", "the runs are used up before the answer is settled: what is known so far")           \
     X(ABOVE_RANGE, "above_range", "the number is larger than the fitted one anywhere in the range")          \
     X(BELOW_RANGE, "below_range", "the number is smaller than the fitted one anywhere in the range")         \
-    X(NO_MATCH, "no_match", "no parameters of the range give all numbers together")
+    X(NO_MATCH, "no_match", "no parameters of the range give all numbers together")                          \
+    X(NO_RUNS, "no_runs", "the runs nearest to the best values failed, or lack a number")
 typedef enum {
 #define X(name, word, meaning) STATS_IDENTIFIED_##name,
     STATS_IDENTIFIED_LIST(X)
@@ -65,6 +66,7 @@ typedef struct {
 typedef struct {
     stats_identified status[STATS_NAMES];
     double x[STATS_NAMES], se[STATS_NAMES];
+    double lo[STATS_NAMES], hi[STATS_NAMES]; /* the range, less ends where no run has the numbers */
     /* of 95 %, from below; own: the one that holds x */
     size_t n_intervals[STATS_NAMES];
     stats_interval interval[STATS_NAMES][STATS_INTERVALS], own[STATS_NAMES];

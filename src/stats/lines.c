@@ -62,7 +62,8 @@ rp_status stats_line_fit(const stats_xy *p, bool origin, stats_line *line)
     line->slope_se = sqrt(1.0 / (sum * along) * scale);
     line->intercept_se = origin ? 0.0 : sqrt(1.0 / sum * (1.0 + x * x / xx) * scale);
     line->p_value = p->se && line->dof > 0 ? gsl_cdf_chisq_Q(line->chi2, (double)line->dof) : NAN;
-    return RP_OK;
+    if (isfinite(line->slope + line->intercept + line->chi2)) return RP_OK;
+    return rp_fail(RP_NO_RESULT, "no line: numbers so large or small that their squares overflow");
 }
 
 rp_status stats_linear_fit(stats_linear *f)

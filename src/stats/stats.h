@@ -40,7 +40,8 @@ typedef struct {
     double value, se, lo, hi;
 } stats_correlation;
 
-/* Errors: RP_NO_RESULT for n < 4, RP_BAD_INPUT for a value that is not finite. */
+/* Errors: RP_NO_RESULT for n < 4 or values that are all equal, RP_BAD_INPUT for a value that is not finite.
+ */
 rp_status stats_correlate(size_t n, const double x[], const double y[], stats_correlation *correlation);
 
 /* Standard deviation of a statistic over its resamples sample[n], of which NaN is left out, and *used counts
@@ -144,7 +145,7 @@ typedef struct {
 
 /* Straight line by least squares, or with `origin` the line through (0, 0), whose intercept and its errors
  * are 0. Weights 1/se^2; errors follow from se and are not rescaled, or without se from the scatter about the
- * line. Errors: RP_NO_RESULT for fewer points than coefficients or no spread in x, RP_BAD_INPUT,
+ * line. Errors: RP_NO_RESULT for fewer points than coefficients, no spread in x, or overflow, RP_BAD_INPUT,
  * RP_NO_MEMORY. */
 rp_status stats_line_fit(const stats_xy *points, bool origin, stats_line *line);
 

@@ -94,22 +94,23 @@ static rp_status fill_cells(sample *s)
     return RP_OK;
 }
 
-/* The contrast of the coefficients s->c. Paired: mean over piles. Otherwise the variances of the means add
- * up, with the degrees of freedom of Welch and Satterthwaite. */
-static stats_contrast contrast(const sample *s)
+/* The contrast of the coefficients s->c of x number first to last, each `step` of them. Paired: mean over
+ * piles. Otherwise the variances of the means add up, with the degrees of freedom of Welch and Satterthwaite.
+ */
+static stats_contrast contrast_of(const sample *s, size_t first, size_t last, size_t step)
 {
     stats_contrast r = {0.0, 0.0, 0.0};
     if (s->of->pile) {
         stats_summary stats;
         for (size_t k = 0; k < s->n_piles; k++) {
             s->work[k] = 0.0;
-            for (size_t j = 0; j < s->n_x; j++) s->work[k] += s->c[j] * s->points[k * s->n_x + j].y;
+            for (size_t j = first; j <= last; j += step) s->work[k] += s->c[j] * s->points[k * s->n_x + j].y;
         }
         if (stats_mean(s->n_piles, s->work, &stats)) stats.mean = stats.se = NAN; /* overflow */
         return (stats_contrast){stats.mean, stats.se, (double)s->n_piles - 1.0};
     }
     double variance = 0.0, squares = 0.0;
-    for (size_t j = 0; j < s->n_x; j++) {
+    for (size_t j = first; j <= last; j += step) {
         const cell *q = &s->cells[j];
         const double part = s->c[j] * s->c[j] * (isnan(s->residual) ? q->variance : s->residual / q->n);
         r.value += s->c[j] * q->mean;
@@ -119,6 +120,11 @@ static stats_contrast contrast(const sample *s)
     r.se = sqrt(variance);
     r.dof = isnan(s->residual) ? variance * variance / squares : (double)s->n - 2.0;
     return r;
+}
+
+static stats_contrast contrast(const sample *s)
+{
+    return contrast_of(s, 0, s->n_x - 1, 1);
 }
 
 static void set_moments(sample *s)
@@ -206,10 +212,9 @@ static void compare_pairs(sample *s, stats_trend *trend)
     trend->p_pairs = 0.0;
     for (size_t i = 0; i < s->n_x; i++)
         for (size_t j = i + 1; j < s->n_x; j++) {
-            memset(s->c, 0, s->n_x * sizeof *s->c);
             s->c[i] = -1.0;
             s->c[j] = 1.0;
-            const stats_contrast pair = contrast(s);
+            const stats_contrast pair = contrast_of(s, i, j, j - i);
             if (fabs(pair.value) >= fabs(trend->pair.value)) trend->pair = pair;
             trend->p_pairs = fmax(trend->p_pairs, stats_contrast_p_margin(&pair, s->of->margin));
         }
@@ -265,13 +270,13 @@ void stats_holm(size_t n, const double p[], double corrected[])
     size_t tests = 0;
     for (size_t i = 0; i < n; i++) tests += !isnan(p[i]);
     for (size_t i = 0; i < n; i++) {
-        corrected[i] = isnan(p[i]) ? NAN : 0.0;
-        for (size_t j = 0; j < n && !isnan(p[i]); j++) { /* the largest of what p[j] <= p[i] are raised to */
-            size_t below = 0;
-            for (size_t k = 0; k < n; k++) below += p[k] < p[j];
-            if (p[j] <= p[i]) corrected[i] = fmax(corrected[i], fmin(1.0, p[j] * (double)(tests - below)));
-        }
+        size_t below = 0;
+        for (size_t k = 0; k < n; k++) below += p[k] < p[i];
+        corrected[i] = isnan(p[i]) ? NAN : fmin(1.0, p[i] * (double)(tests - below));
     }
+    for (size_t i = 0; i < n; i++) /* the largest of what p[j] <= p[i] are raised to */
+        for (size_t j = 0; j < n; j++)
+            if (p[j] <= p[i]) corrected[i] = fmax(corrected[i], corrected[j]);
 }
 
 const char *stats_trend_word(const stats_trend *trend, double p_value, double level)

@@ -7,12 +7,14 @@
 
 stress_grid stress_grid_over(size_t n, const stress_pile piles[], double width, double cell)
 {
-    double top = 0.0;
-    for (size_t i = 0; i < n; i++)
+    double top = -INFINITY, ground = INFINITY;
+    for (size_t i = 0; i < n; i++) {
+        ground = fmin(ground, piles[i].ground);
         for (size_t k = 0; k < piles[i].n_grains; k++) top = fmax(top, piles[i].y[k]);
-    stress_grid g = {.nx = (size_t)fmax(round(width / cell), 1.0)};
+    }
+    stress_grid g = {.y0 = ground, .nx = (size_t)fmax(round(width / cell), 1.0)};
     g.dx = g.dy = width / (double)g.nx;
-    g.ny = (size_t)ceil(top / g.dy) + 1;
+    g.ny = (size_t)ceil(fmax(top - ground, 0.0) / g.dy) + 1;
     return g;
 }
 
@@ -44,7 +46,7 @@ static void add_columns(const stress_pile *p, double size, double g, size_t n, c
     for (size_t k = 0; k < p->n; k++) {
         const stress_contact *c = &p->contacts[k];
         const double a = floor(c->x / size), b = floor(c->x_b / size);
-        const bool in_a = a >= 0.0 && a < (double)n, wall = c->x_b <= 0.0;
+        const bool in_a = a >= 0.0 && a < (double)n, wall = p->wall[k] || c->x_b <= 0.0;
         if (p->floor[k] && in_a) {
             columns[(size_t)a].n += c->fy;
             columns[(size_t)a].h -= c->fx;

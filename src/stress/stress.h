@@ -54,11 +54,13 @@ stress_circle stress_mohr(const stress_tensor *stress);
 typedef struct {
     size_t n, n_grains;
     stress_contact *contacts; /* n of them */
-    bool *floor;              /* of each: is it with the floor? */
+    bool *floor, *wall;       /* of each: is it with the floor, is it with a wall? */
     double *x, *y, *m;        /* of the grains: centres, masses */
+    double ground;            /* y from which heights count */
 } stress_pile;
 
-/* Square cells, round(width/cell) of them to a box 0 < x < width, up to the highest grain. */
+/* Square cells, round(width/cell) of them to a box 0 < x < width, from the lowest ground up to the highest
+ * grain. */
 stress_grid stress_grid_over(size_t n, const stress_pile piles[], double width, double cell);
 
 /* Mean of stress_cells over n piles. Errors: those of stress_cells; RP_NO_MEMORY. */

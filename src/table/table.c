@@ -91,21 +91,24 @@ void rp_table_row_word(FILE *out, size_t n, const double values[], const char *w
     fprintf(out, "%s%s\n", n ? "\t" : "", word);
 }
 
-/* What separates the cells of a line: tabs alone where cells hold blanks, commas where there is no tab. */
+/* What separates the cells of a line: tabs alone where cells hold blanks, commas, which may have blanks
+ * beside them, where there is no tab. */
 static const char *blanks_of(const char *line, bool texts)
 {
-    if (!strchr(line, '\t') && strchr(line, ',')) return texts ? ",\r" : ", \r";
+    if (!strchr(line, '\t') && strchr(line, ',')) return ",\r";
     return texts ? "\t\r" : " \t\r";
 }
 
 /* The next cell of a line, without the quotes around it, and its length; NULL behind the last. */
 static char *next_cell(char **line, const char *blanks, size_t *n)
 {
-    char *cell = *line + strspn(*line, blanks), *quote = *cell == '"' ? strchr(cell + 1, '"') : NULL;
-    const bool quoted = quote && strchr(blanks, quote[1]); /* also at the line's end */
+    const char *skipped = *blanks == ',' ? ", \r" : blanks;
+    char *cell = *line + strspn(*line, skipped), *quote = *cell == '"' ? strchr(cell + 1, '"') : NULL;
+    const bool quoted = quote && strchr(skipped, quote[1]); /* also at the line's end */
     if (!*cell) return NULL;
     *n = quoted ? (size_t)(quote - cell) - 1 : strcspn(cell, blanks);
     *line = quoted ? quote + 1 : cell + *n;
+    while (!quoted && cell[*n - 1] == ' ' && *blanks == ',') --*n;
     return cell + quoted;
 }
 
@@ -150,16 +153,22 @@ typedef struct {
     const char *blanks; /* between the cells of a row */
     char *above;        /* the last line with # before the first row */
     bool units_above;   /* the line before this one holds the units */
-    char lead;          /* what the line of names begins with */
+    char *header;       /* the line of names, split at the first row, which tells what separates them */
+    char lead;          /* what it begins with */
     size_t most_rows, most_cells;
 } reading;
 
-/* The names of the columns, if the line has one for each of them. */
-static rp_status take_names(reading *r, char *line)
+/* The names of the columns, if the line has one for each of them. They hold blanks where only so there is one
+ * for each cell of `row`; then tabs separate them. */
+static rp_status take_names(reading *r, char *line, char *row)
 {
     rp_table *t = r->table;
     const char *blanks = blanks_of(line, r->texts);
+    const size_t n = row ? count_cells(row, r->blanks) : t->n_columns, strict = count_cells(line, "\t\r");
     r->lead = *line;
+    if (n && count_cells(line, blanks) != n && strict > 1 && *line != '\t' &&
+        (strict == n || (row && strict == count_cells(row, "\t\r"))))
+        blanks = "\t\r";
     if (t->n_columns == 0) t->n_columns = count_cells(line, blanks);
     free(t->names);
     t->names = calloc(t->n_columns + 2, sizeof *t->names);
@@ -173,8 +182,9 @@ static rp_status take_names(reading *r, char *line)
 static bool is_header(const reading *r, char *line, size_t n)
 {
     if (r->above && strncmp(r->above, "units: ", 7) == 0) return true;
-    const bool older = r->above && (r->units_above || strchr(r->above, '\t')) &&
-                       count_cells(r->above, blanks_of(r->above, r->texts)) == n;
+    const bool older =
+        r->above && (r->units_above || strchr(r->above, '\t')) &&
+        (count_cells(r->above, blanks_of(r->above, r->texts)) == n || count_cells(r->above, "\t\r") == n);
     return !older && !holds_number(line, r->blanks);
 }
 
@@ -239,7 +249,7 @@ static rp_status take_line(reading *r, char *line, size_t line_number)
 {
     rp_table *t = r->table;
     if (*line == '#') {
-        if (t->cells || t->names) return RP_OK;
+        if (t->cells || r->header) return RP_OK;
         r->units_above = r->above && strncmp(r->above, "units: ", 7) == 0;
         r->above = line + 1 + strspn(line + 1, " ");
         return RP_OK;
@@ -247,7 +257,8 @@ static rp_status take_line(reading *r, char *line, size_t line_number)
     if (!r->blanks && strspn(line, " \t\r,") < strlen(line)) r->blanks = blanks_of(line, r->texts);
     const size_t n = r->blanks ? count_cells(line, r->blanks) : 0;
     if (n == 0) return RP_OK;
-    if (!t->cells && !t->names && is_header(r, line, n)) return take_names(r, line);
+    if (!t->cells && !r->header && is_header(r, line, n)) return r->header = line, RP_OK;
+    if (r->header && !t->names) RP_TRY(take_names(r, r->header, line));
     return take_row(r, line, n, line_number);
 }
 
@@ -269,7 +280,8 @@ static rp_status split_text(bool texts, rp_table *table)
         status = take_line(&r, line, ++line_number);
     }
     static char none[] = "";
-    return status || table->names ? status : take_names(&r, r.above ? r.above : none);
+    if (!r.header) r.header = r.above ? r.above : none;
+    return status || table->names ? status : take_names(&r, r.header, NULL);
 }
 
 rp_status rp_table_parse(const char *name, char *text, rp_table *table)
@@ -345,7 +357,12 @@ static rp_status no_column(const rp_table *table, const char *name, const char *
 rp_status rp_table_find(const rp_table *table, const char *name, const char *expected, int *column)
 {
     *column = rp_table_column(table, name);
-    return *column >= 0 ? RP_OK : no_column(table, name, expected);
+    if (*column < 0) return no_column(table, name, expected);
+    for (size_t i = (size_t)*column + 1; table->names[*column] && i < table->n_columns; i++)
+        if (table->names[i] && strcmp(table->names[i], name) == 0)
+            return rp_fail(RP_BAD_INPUT, "%s: columns %d and %zu are both \"%s\"", table->path, *column + 1,
+                           i + 1, name);
+    return RP_OK;
 }
 
 /* rp_table_read has ended every line with NUL; the first row stops the search. */

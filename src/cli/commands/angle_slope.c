@@ -137,6 +137,10 @@ static rp_status slope_of_table(cli_call *call, rp_table *table, const void *val
     for (size_t i = 0; i < n && !box && o->height == ANG_TOP; i++) block[n + i] += block[2 * n + i];
     rp_status status = box ? slope_of_box(n, block, with_r, o, cell, &pile)
                            : ang_pile_find(n, block, block + n, (double[]){o->from, o->to}, &pile);
+    if (!status && pile.n_flanks == 2 && pile.flank[0][1].slope > 0.0 && !cli_given(call, "y-axis"))
+        status = rp_fail(RP_NO_RESULT,
+                         "a valley, two flanks that fall inwards: y counts downward, as the rows of a "
+                         "picture do (--y-axis down), or not (--y-axis up tells so)");
     rp_prefix(status, "%s: %s", table->path, box ? "" : "choose a flank by --from and --to: ");
     if (status && status != RP_NO_RESULT) return status;
     cli_table(call, stdout);
@@ -178,5 +182,6 @@ const cli_command cmd_angle_slope = {
     .refuses = "Grains of several steps: choose one by --where step=N.\n"
                "--height top without radii; a radius that is not positive.\n"
                "Other than one or two flanks: choose by --from and --to.\n"
+               "A valley, unless --y-axis tells which way is up.\n"
                "Without --width: --cell, --empty and --parabola; with it: --from and --to.",
     .on_table = slope_of_table};

@@ -255,7 +255,7 @@ static rp_status column_of(const problem *s, const rp_table *table, size_t k, in
     rp_guess guess = rp_guess_of(s->number[k].of);
     *column = rp_table_column(table, s->number[k].of);
     for (size_t c = 0; c < table->n_columns; c++) rp_guess_try(&guess, table->names[c]);
-    return *column >= 0 ? RP_OK
+    return *column >= 0 ? rp_table_find(table, s->number[k].of, NULL, column) /* one of them */
                         : rp_fail(RP_BAD_INPUT, "of = \"%s\": the runs have no such column%s",
                                   s->number[k].of, rp_guess_text(&guess));
 }
@@ -418,7 +418,6 @@ static rp_status read_tables(problem *s)
         for (size_t row = 0; row < t->n_rows; row++, row_at++) {
             double x[STATS_NAMES];
             size_t i = 0;
-            if (!is_result_of(t, row)) continue;
             for (size_t c = 0; c < p; c++) x[c] = v[c * t->n_rows + row];
             while (i < s->n_table_points && memcmp(&s->points[i * p], x, p * sizeof *x) != 0) i++;
             if (i == s->n_table_points) memcpy(&s->points[s->n_table_points++ * p], x, p * sizeof *x);
@@ -507,8 +506,8 @@ static bool is_at_edge(const problem *s, const stats_answer *a)
 {
     bool edge = false;
     for (size_t p = 0; p < s->quest.n_names; p++) {
-        const double slack = 1e-3 * (s->quest.hi[p] - s->quest.lo[p]);
-        edge |= a->x[p] <= s->quest.lo[p] + slack || a->x[p] >= s->quest.hi[p] - slack;
+        const double slack = 1e-3 * (a->hi[p] - a->lo[p]);
+        edge |= a->x[p] <= a->lo[p] + slack || a->x[p] >= a->hi[p] - slack;
     }
     return edge;
 }
@@ -529,12 +528,27 @@ static void print_failed(const problem *s, size_t stages)
         rp_table_note(stdout, "failed", "%s: the numbers are of the other runs", text);
 }
 
+/* "p <= 0.5, q >= 0.1": ends that the ranges have lost; "" without. */
+static const char *cut_ends(const problem *s, const stats_answer *a)
+{
+    const char *text = "";
+    for (size_t p = 0; p < 2 * s->quest.n_names; p++) {
+        const double end = p % 2 ? a->hi[p / 2] : a->lo[p / 2];
+        if (end != (p % 2 ? s->quest.hi : s->quest.lo)[p / 2])
+            text = rp_text(s->call->arena, "%s%s%s %s %.4g", text, *text ? ", " : "", s->name[p / 2],
+                           p % 2 ? "<=" : ">=", end);
+    }
+    return text;
+}
+
 static void print_answer(const problem *s, const stats_answer *a)
 {
     cli_provenance(s->call, stdout);
     rp_table_note(stdout, "runs", "%zu at %zu points, %zu of them without some number, in %zu stages",
                   s->quest.fixed_runs ? 0 : a->n_runs, a->n_points, a->n_failed, a->stages);
     print_failed(s, a->stages);
+    if (*cut_ends(s, a))
+        rp_table_note(stdout, "range", "%s: only there the runs have all numbers", cut_ends(s, a));
     rp_table_note(stdout, "chi2", "%.3g over %zu", a->chi2, a->dof);
     for (size_t k = 0; k < s->quest.n_numbers; k++) {
         const measured *m = &s->number[k];
@@ -589,7 +603,9 @@ static rp_status conclude(const problem *s, const stats_answer *a)
     }
     if (status == STATS_IDENTIFIED_ABOVE_RANGE || status == STATS_IDENTIFIED_BELOW_RANGE)
         more = rp_text(s->call->arena, "; the runs reach %.3g to %.3g, for %g <= %s <= %g", a->reach[0][0],
-                       a->reach[0][1], s->quest.lo[0], s->name[0], s->quest.hi[0]);
+                       a->reach[0][1], a->lo[0], s->name[0], a->hi[0]);
+    if (*cut_ends(s, a))
+        more = rp_text(s->call->arena, "%s; the runs have all numbers only for %s", more, cut_ends(s, a));
     if (a->n_next > 0)
         more =
             rp_text(s->call->arena, "%s; %zu of %zu runs, and the next stage needs %zu: --budget gives more",

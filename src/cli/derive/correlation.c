@@ -12,20 +12,24 @@
 
 CLI_OPTIONS(correlation, CORRELATION_OPTIONS)
 
-/* A row for each group of the rows, y before the columns of x. */
+/* A row for each group of the rows, y before the columns of x; *found: one has a result, else it is the
+ * status. */
 static rp_status print_correlations(rp_arena *arena, const rp_table *table, const rp_groups *groups,
-                                    const rp_rows *rows, size_t x, const char *name)
+                                    const rp_rows *rows, size_t x, const char *name, bool *found)
 {
+    rp_status status = RP_OK;
     for (size_t g = 0; g < rows->n_groups; g++) {
         const size_t first = rows->first[g];
         stats_correlation c;
-        RP_TRY(stats_correlate(rows->first[g + 1] - first, rows->column[x] + first, rows->column[0] + first,
-                               &c));
+        status =
+            stats_correlate(rows->first[g + 1] - first, rows->column[x] + first, rows->column[0] + first, &c);
+        if (status && c.n < 4) return status;
+        *found = *found || !status;
         if (*groups->words[g]) printf("%s\t", groups->words[g]);
         const char *failed = cli_failed(arena, table, groups, g, NULL, NULL);
         CLI_ROW_WORD(rp_text(arena, "%s\t%s", failed, name), (double)c.n, c.value, c.se, c.lo, c.hi);
     }
-    return RP_OK;
+    return *found ? RP_OK : status;
 }
 
 static rp_status correlation_of_table(cli_call *call, rp_table *table, const void *values)
@@ -45,8 +49,9 @@ static rp_status correlation_of_table(cli_call *call, rp_table *table, const voi
         table, o->by,
         "n, correlation, correlation_se, correlation_lo, correlation_hi, " CLI_FAILED_COLUMNS ", quantity");
     strsep(&rest, ",");
-    for (size_t x = 1; rest && !status; x++)
-        status = print_correlations(call->arena, table, &groups, &rows, x, strsep(&rest, ","));
+    bool found = false;
+    for (size_t x = 1; rest && (!status || status == RP_NO_RESULT); x++)
+        status = print_correlations(call->arena, table, &groups, &rows, x, strsep(&rest, ","), &found);
     return rp_prefix(status, "%s: ", table->path);
 }
 
@@ -60,6 +65,6 @@ const cli_command cmd_stats_correlation = {
     "repose stats correlation build/studies/lh_onset_runs.tsv -x bulk_friction_0,limit_probe -y "
     "theta_t_displacement_deg --by mu",
     correlation_params,
-    .refuses = "Fewer than 4 rows in a group: exit status 1.",
+    .refuses = "Fewer than 4 rows in a group, or no column that varies: exit status 1.",
     .derives = true,
     .on_table = correlation_of_table};

@@ -31,11 +31,12 @@ static rp_status read_block(rp_arena *arena, const char *prefix, bool contacts, 
     return rp_columns_read(arena, table, names, block);
 }
 
+static const double NEAR = 1e-6; /* over the distance of a grain from a wall */
+
 /* Mark the contacts with the floor: wall number `asked`, or, for auto, walls at the one height at which walls
  * lie level below a grain. block: columns id_b and wall. */
 static rp_status find_floor(const char *prefix, const double *block, long asked, stress_pile *p)
 {
-    static const double NEAR = 1e-6; /* over the distance of a grain from a wall */
     double y = NAN;
     size_t marked = 0;
     for (size_t k = 0; k < p->n; k++) {
@@ -57,6 +58,19 @@ static rp_status find_floor(const char *prefix, const double *block, long asked,
                : rp_fail(RP_BAD_INPUT, "%s: no contact with a level floor: name its wall by --floor", prefix);
 }
 
+/* Where heights count from: the lowest point of the floor; without one y = 0, or what contacts reach below.
+ */
+static double ground_of(const stress_pile *p, bool floor)
+{
+    double ground = floor ? INFINITY : 0.0, size = 0.0;
+    for (size_t k = 0; k < p->n; k++) {
+        const stress_contact *c = &p->contacts[k];
+        size = fmax(size, hypot(c->x - c->x_b, c->y - c->y_b));
+        if (!floor || p->floor[k]) ground = fmin(ground, fmin(c->y, c->y_b));
+    }
+    return fabs(ground) <= NEAR * size ? 0.0 : ground;
+}
+
 /* *floor as --floor has it; NULL: not needed. */
 static rp_status pile_read(rp_arena *arena, const char *prefix, const rp_texts *where, const long *floor,
                            stress_pile *p)
@@ -69,17 +83,21 @@ static rp_status pile_read(rp_arena *arena, const char *prefix, const rp_texts *
     p->m = p->y + p->n_grains;
     p->contacts = rp_arena_memory(arena, p->n, sizeof *p->contacts);
     p->floor = rp_arena_memory(arena, p->n, sizeof *p->floor);
+    p->wall = rp_arena_memory(arena, p->n, sizeof *p->wall);
     for (size_t k = 0; k < p->n; k++) {
         const double *v = block + k;
         const size_t n = p->n;
         const double lx = v[2 * n] - v[4 * n], ly = v[3 * n] - v[5 * n], l = hypot(lx, ly);
         const double fn = v[6 * n], fs = v[7 * n];
+        p->wall[k] = v[0] == 0.0;
         if (!(l > 0.0)) return rp_fail(RP_BAD_INPUT, "%s: contact %zu has no branch", prefix, k + 1);
         /* normal from b to a; shear along the normal turned clockwise */
         p->contacts[k] = (stress_contact){
             v[2 * n], v[3 * n], v[4 * n], v[5 * n], (fn * lx + fs * ly) / l, (fn * ly - fs * lx) / l};
     }
-    return floor ? find_floor(prefix, block, *floor, p) : RP_OK;
+    if (floor) RP_TRY(find_floor(prefix, block, *floor, p));
+    p->ground = ground_of(p, floor != NULL);
+    return RP_OK;
 }
 
 /* The number of cells is finite: a grain that flew off is left out of the table first. */
@@ -128,6 +146,7 @@ static rp_status print_field(cli_call *call, const void *values)
     const size_t cells = g.nx * g.ny;
     stress_tensor *mean = rp_arena_memory(call->arena, cells, sizeof *mean);
     RP_TRY(stress_mean_cells(n, piles, &g, mean));
+    if (g.y0 != 0.0) rp_table_note_number(stdout, "ground", g.y0, "cm");
     rp_table_header(stdout,
                     "x/W, y/W, sxx [dyn/cm], sxy [dyn/cm], syx [dyn/cm], syy [dyn/cm], p [dyn/cm], shear "
                     "[dyn/cm], couple [dyn/cm], direction [rad], mobilised_deg [deg]");
@@ -146,7 +165,7 @@ const cli_command cmd_stress_field = {
     "DIR|PREFIX... --width W [options]",
     "Mean over piles of the stress in cells, from contacts.tsv and states.tsv in DIR, or the tables\n"
     "PREFIX_contacts.tsv and PREFIX_grains.tsv, of each: s_ab, force along a, branch along b, compression "
-    "positive, 0 where there are no grains; p\n"
+    "positive, 0 where there are no grains, y from 0 or the lowest contact below (ground); p\n"
     "mean pressure, shear radius of Mohr's circle, couple (xy - yx)/2, direction of the largest\n"
     "compression, mobilised angle.",
     "repose stress field pile --width 4",
@@ -179,6 +198,7 @@ static rp_status mean_slope(size_t n, const stress_pile piles[], const base_opti
     for (size_t i = 0; i < n; i++) {
         RP_ENDS(ang_surface_free) ang_surface s;
         ang_slope slopes[ANG_N_METHODS];
+        for (size_t k = 0; k < piles[i].n_grains; k++) piles[i].y[k] -= piles[i].ground;
         RP_TRY(ang_surface_make(piles[i].n_grains, piles[i].x, piles[i].y, NULL, o->width, &how, &s));
         RP_TRY(ang_slopes(s.n, s.column, s.h, s.cell, how.parabola, slopes));
         *theta += slopes[2].theta / (double)n;

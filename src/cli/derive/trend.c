@@ -1,5 +1,7 @@
 /* repose stats trend, repose stats size: how a column of a table of runs depends on another. */
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "stats/stats.h"
 #include "cli/derive/derive.h"
@@ -121,10 +123,13 @@ static rp_status fit_groups(const cli_call *call, const rp_table *t, const rows 
         status = fit_group(r, g, o, size, &fits[g]);
         if (status && status != RP_NO_RESULT)
             return rp_prefix(status, "%s%s", r->groups.words[g], *r->groups.words[g] ? ": " : "");
-        with_result += status == RP_OK;
         p[g] = status ? NAN : stats_contrast_p(&fits[g].change);
+        with_result += !isnan(p[g]);
     }
-    if (with_result == 0) return status;
+    if (with_result == 0)
+        return status
+                   ? status
+                   : rp_fail(RP_NO_RESULT, "no trend: numbers so large or small that their squares overflow");
     stats_holm(n_groups, p, p_holm);
     cli_table(call, stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu without result, %zu with nan, %zu outside the range of x",
@@ -142,29 +147,34 @@ static rp_status fit_groups(const cli_call *call, const rp_table *t, const rows 
     return RP_OK;
 }
 
-/* Words in the column of x (an integrator, say) become 0, 1, ... in the order in which they appear. */
+/* Words in the column of x (an integrator, say) become 0, 1, ... in the order in which they appear; among
+ * numbers they are an error of the table. */
 static rp_status number_words(rp_arena *arena, rp_table *t, const trend_options *o, char words[256])
 {
     static char *const numbers[] = {"0", "1", "2", "3", "4", "5", "6", "7", "8", "9"};
     int column;
-    size_t used = 0;
+    size_t used = 0, n = 0;
     rp_groups known;
-    bool all_numbers = true;
     RP_TRY(rp_table_find(t, o->x, o->x, &column));
     RP_TRY(rp_group_rows(arena, t, o->x, ',', &known));
     for (size_t k = 0; k < known.n_groups; k++) {
-        char *end;
-        strtod(known.words[k], &end);
-        all_numbers &= *end == '\0';
+        double number = 0.0;
+        const bool is_number =
+            rp_text_number(known.words[k], &number) || strcmp(known.words[k], "infinite") == 0;
+        if (is_number && !isnan(number)) return RP_OK;
     }
-    if (all_numbers) return RP_OK;
-    if (known.n_groups > N_OF(numbers))
-        return rp_fail(RP_BAD_INPUT, "%s: %s has more than %zu different words", t->path, o->x,
-                       N_OF(numbers));
-    for (size_t i = 0; i < t->n_rows; i++)
-        t->cells[i * t->n_columns + (size_t)column] = numbers[known.of_row[i]];
-    for (size_t k = 0; k < known.n_groups && used < 200; k++)
-        used += (size_t)snprintf(words + used, 256 - used, "%s%s = %zu", k ? ", " : "", known.words[k], k);
+    for (size_t k = 0; k < known.n_groups; k++) {
+        double nan;
+        if (rp_text_number(known.words[k], &nan)) continue;
+        if (n == N_OF(numbers))
+            return rp_fail(RP_BAD_INPUT, "%s: %s has more than %zu different words", t->path, o->x, n);
+        for (size_t i = 0; i < t->n_rows; i++)
+            if (known.of_row[i] == k) t->cells[i * t->n_columns + (size_t)column] = numbers[n];
+        if (used < 200)
+            used +=
+                (size_t)snprintf(words + used, 256 - used, "%s%s = %zu", n ? ", " : "", known.words[k], n);
+        n++;
+    }
     return RP_OK;
 }
 
@@ -214,8 +224,10 @@ const cli_command cmd_stats_trend = {
     "no_result\n" TABLE_HELP,
     "repose stats trend build/tables/lh2a_runs.tsv -x H -y theta_r3_deg --by mu",
     trend_params,
-    .refuses = "A number that is not positive with --scale log; more than ten different words in column x.\n"
-               "Too few x or rows for a line: exit status 1.",
+    .refuses =
+        "A number that is not positive with --scale log; more than ten different words in column x, or "
+        "words among numbers.\n"
+        "Too few x or rows for a line: exit status 1.",
     .derives = true,
     .on_table = trend_of_table};
 

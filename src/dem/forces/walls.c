@@ -65,7 +65,7 @@ rp_status dem_walls_place(dem_sim *sim, const dem_definition *def)
     memcpy(walls->wall, dem_walls_of(def), def->n_walls * sizeof *walls->wall);
     sim->def.wall_list = walls->wall;
     walls->turn = (dem_vec){1.0, 0.0};
-    dem_box_turn(sim, def->box_turn_per_step);
+    RP_TRY(dem_box_turn(sim, def->box_turn_per_step));
     walls->turn_from_step = def->turn_from_step;
     for (size_t w = 0; w < def->n_walls; w++) {
         dem_wall *wall = &walls->wall[w];
@@ -103,13 +103,15 @@ void dem_wall_go_on(dem_sim *sim, size_t w, const dem_wall *next, double way)
     walls->least_stride = fmax(walls->least_stride, 1.5 * way);
 }
 
-void dem_box_turn(dem_sim *sim, double radians_per_step)
+rp_status dem_box_turn(dem_sim *sim, double radians_per_step)
 {
     double sine, cosine;
+    RP_TRY(rp_check_range("turn of the box", radians_per_step, -1.0, 1.0, "[-1, 1]"));
     dem_sine_cosine(radians_per_step, &sine, &cosine);
     sim->def.box_turn_per_step = radians_per_step;
     sim->walls.turn_from_step = sim->step;
     sim->walls.turn_of_step = (dem_vec){cosine, sine};
+    return RP_OK;
 }
 
 void dem_box_frame(const dem_sim *sim, double *x, double *y)
@@ -117,13 +119,6 @@ void dem_box_frame(const dem_sim *sim, double *x, double *y)
     const dem_vec in_box = dem_to_box(&sim->walls, (dem_vec){*x, *y});
     *x = in_box[0];
     *y = in_box[1];
-}
-
-void dem_wall_open(dem_sim *sim, size_t wall, double speed)
-{
-    sim->walls.wall[wall].open_at_step = sim->step + 1;
-    sim->walls.wall[wall].open_speed = speed;
-    sim->walls.line[wall].plain = false;
 }
 
 /* Of walls that move by themselves. */
@@ -187,6 +182,7 @@ size_t dem_wall_count(const dem_sim *sim)
 
 dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall)
 {
+    if (wall >= sim->def.n_walls) return (dem_wall_state){0};
     const dem_wall *w = &sim->walls.wall[wall];
     const dem_wall_line *line = &sim->walls.line[wall];
     const dem_vec point = line->point, direction = line->direction, force = sim->walls.force[wall],

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "core/elementary.h"
 #include "dem/observe/observe.h"
 #include "dem/methods/methods.h"
 
@@ -17,19 +18,24 @@ void dem_gravity_start(dem_sim *sim)
     dem_sine_cosine(sim->def.turn_per_step, &sim->turn_sin, &sim->turn_cos);
 }
 
-void dem_gravity_turn(dem_sim *sim, double radians_per_step)
+rp_status dem_gravity_turn(dem_sim *sim, double radians_per_step)
 {
+    RP_TRY(rp_check_range("turn of gravity", radians_per_step, -1.0, 1.0, "[-1, 1]"));
     sim->def.turn_per_step = radians_per_step;
     sim->def.turn_from_step = sim->step;
     dem_sine_cosine(radians_per_step, &sim->turn_sin, &sim->turn_cos);
+    return RP_OK;
 }
 
-void dem_gravity_set(dem_sim *sim, const double g[2])
+rp_status dem_gravity_set(dem_sim *sim, const double g[2])
 {
+    if (!isfinite(g[0]) || !isfinite(g[1]))
+        return rp_fail(RP_BAD_INPUT, "gravity = [%g, %g]: must be finite", g[0], g[1]);
     dem_vec before = sim->gravity;
     set(sim, g);
     if (sim->scheme->gravity) sim->scheme->gravity(sim, sim->gravity - before);
     if (sim->ledger) dem_ledger_gravity(sim);
+    return RP_OK;
 }
 
 void dem_gravity_advance(dem_sim *sim)

@@ -273,6 +273,20 @@ static rp_status place_rows(const dem_fill *f, gsl_rng *radii, dem_grain *grains
 rp_status dem_fill_grains(const dem_fill *f, dem_grain *grains, size_t *n)
 {
     RP_SCOPE(memory);
+    const bool row = f->pattern == DEM_PATTERN_ROW;
+    if (!isfinite(f->W) || isnan(f->H) || (isinf(f->H) && !row) ||
+        !isfinite(f->x0 + f->y0 + f->spacing + f->density))
+        return rp_fail(RP_BAD_INPUT,
+                       "fill: W = %g, H = %g, x0 = %g, y0 = %g, spacing = %g, density = %g: must be finite",
+                       f->W, f->H, f->x0, f->y0, f->spacing, f->density);
+    if (f->N < 0 && f->pattern == DEM_PATTERN_RANDOM)
+        return rp_fail(RP_BAD_INPUT, "fill: N = %ld: must be at least 0", f->N);
+    if (f->law != DEM_RADII_TABLE &&
+        !(f->radius_mean > 0.0 && f->radius_width >= 0.0 && isfinite(f->radius_mean + f->radius_width)))
+        return rp_fail(RP_BAD_INPUT,
+                       "fill: radius_mean = %g, radius_width = %g: must be finite, above 0 and at least 0",
+                       f->radius_mean, f->radius_width);
+    RP_TRY(rp_prefix(dem_radii_check(f), "fill: "));
     gsl_rng *const radii = stream_of(f, RP_PURPOSE_RADII, &memory);
     if (!radii) return RP_NO_MEMORY;
     *n = (size_t)f->N;

@@ -211,9 +211,29 @@ static rp_status check_wall_speeds(const dem_definition *def)
     return RP_OK;
 }
 
+/* Contacts of the start name grains and walls that there are. */
+static rp_status check_contacts(const dem_definition *def)
+{
+    for (size_t k = 0; k < def->n_contacts; k++) {
+        const dem_contact *c = &def->contacts[k];
+        const bool with_wall = c->id_b == 0;
+        if (c->id_a < 1 || c->id_a > def->n_grains || c->id_b > def->n_grains || c->id_a == c->id_b ||
+            (with_wall && (c->wall < 0 || (size_t)c->wall >= def->n_walls)))
+            return rp_fail(RP_BAD_INPUT,
+                           "contact %zu: of grain %u with %s %d: there are %zu grains and %zu walls", k + 1,
+                           c->id_a, with_wall ? "wall" : "grain", with_wall ? c->wall : (int)c->id_b,
+                           def->n_grains, def->n_walls);
+        if (!isfinite(c->shear_spring) || !isfinite(c->rolling_spring))
+            return rp_fail(RP_BAD_INPUT, "contact %zu: springs of %g and %g: must be finite", k + 1,
+                           c->shear_spring, c->rolling_spring);
+    }
+    return RP_OK;
+}
+
 rp_status dem_definition_check(const dem_definition *def)
 {
     RP_TRY(check_grain_values(def));
+    RP_TRY(check_contacts(def));
     RP_TRY(dem_laws_check(def));
     RP_TRY(check_wall_speeds(def));
     const char *what;
