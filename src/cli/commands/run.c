@@ -563,6 +563,7 @@ static rp_status read_text(const char *path, scene_run *r)
     if (*scene->unused) fprintf(stderr, "repose run: particles_file: not used:%s\n", scene->unused);
     warn_gravity(path, hypot(scene->def.gravity[0], scene->def.gravity[1]));
     if (r->o->ledger) scene->def.ledger = true;
+    if (r->o->ledger && r->phases) exp_keep_ledger(r->phases);
     return RP_OK;
 }
 
