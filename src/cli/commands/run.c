@@ -468,7 +468,8 @@ static rp_status run_row(const cli_call *call, const char *path, const run_optio
     origin of = {.call = *call};
     snprintf(of.run, sizeof of.run, "%s row %ld", path, o->row);
     RP_ENDS(cli_unfinished_free)
-    cli_unfinished folder = {.arena = call->arena, .directory = o->o, .holds = holds(&of), .force = o->force};
+    cli_unfinished folder = {
+        .arena = call->arena, .directory = o->o, .holds = holds(&of), .force = o->force, .resumes = true};
     RP_TRY(cli_unfinished_start(&folder));
     RP_TRY(rp_path(call->arena, &snapshot, "%s/snapshot", folder.stage.path));
     cli_unfinished_stops(o->o, &stopped);
