@@ -129,6 +129,8 @@ static void test_wrong_usage(void)
         {64, "usage: repose lattice", "lattice --layers 5 6"},
         {64, "usage: repose angle slope FILE", "angle slope --width 4"},
         {64, "give a file, or --resume DIR", "run"},
+        {64, "-o: empty; leave it out", "run s.cfg -o ''"},
+        {64, "--resume: empty", "run s.cfg --resume ''"},
     };
     CHECK_FAILURES(list);
 }
@@ -328,7 +330,6 @@ static void test_bad_values(void)
         {65, "--alpha-deg = 70: out of range, allowed: (0, 60)", "continuum --alpha-deg 70"},
         {65, "--alpha-deg = \"steep\": a number expected", "continuum --alpha-deg steep"},
         {65, "--alpha-deg = \"nan\"", "continuum --alpha-deg nan"},
-        {65, "--at: \"\"", "continuum --alpha-deg 30 --at ''"},
         {65, "--at: \",0.2\": numbers", "continuum --alpha-deg 30 --at 0.1,,0.2"},
         {65, "--at: \"0.1x\": numbers", "continuum --alpha-deg 30 --at 0.2,0.1x"},
         {65, "--at: \"0.1;1\": numbers", "continuum --alpha-deg 30 --at '0.1;1'"},

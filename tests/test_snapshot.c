@@ -498,7 +498,7 @@ static void refused_resumes(void)
     CU_ASSERT(flock(other, LOCK_EX) == 0);
     FAILS(74, "another process runs in this folder", "run --resume d");
     close(other);
-    SHELL("\"$REPOSE\" run --resume d && \"$REPOSE\" run --resume d >done && "
+    SHELL("\"$REPOSE\" run --resume d && \"$REPOSE\" run --resume d 2>done && "
           "grep -q 'd: the run is done' done && mv d again && " START "300 && diff -r d again");
     /* a finished run is that of its scene */
     SHELL("\"$REPOSE\" run s.cfg --resume again >done");
