@@ -72,6 +72,12 @@ static void test_column(void)
 
 /* ---- laws ---- */
 
+static bool is_left(const void *none, uint32_t id, double x, double y)
+{
+    (void)none, (void)id, (void)y;
+    return x < 0.5;
+}
+
 /* A pile at rest goes on by other laws: what is the same changes nothing but round-off, springs and ids stay;
  * energy and ledger agree. */
 static void test_laws_change(void)
@@ -122,6 +128,10 @@ static void test_laws_change(void)
     CU_ASSERT(dem_ledger_read(b, &l));
     dem_energies(b, &e);
     CU_ASSERT(fabs(l.residual) < 1e-12 * l.turnover && l.sliding > 0.0);
+    dem_ledger less;
+    CHECK_OK(dem_remove(&b, is_left, NULL));
+    CU_ASSERT(dem_ledger_read(b, &less) && fabs(less.residual) < 1e-12 * less.turnover);
+    CU_ASSERT(less.put_in == l.put_in && less.taken_out > l.taken_out);
     stiff.dt = 1.0;
     CHECK_FAILS(dem_change(&b, &stiff), RP_BAD_INPUT, "too large");
     dem_box_turn(b, 1e-5);

@@ -46,6 +46,10 @@ static void test_runs(void)
     SHELL("cp out first && $REPOSE calibrate fit.cfg -o c >out 2>err && cmp out first");
     CU_ASSERT_STRING_EQUAL(err, ""); /* all runs are there */
     PRINTS("first stage: 12 points, 24 runs; at most 400", "calibrate fit.cfg --dry-run -o d");
+    PRINTS("theta_r3_deg\t1\t30\t1", "calibrate --theta-r-deg 30 --error-deg 1 -o d --dry-run");
+    SHELL("! test -e d"); /* a dry run writes nothing; a file that a person has changed stays */
+    SHELL("mkdir d && echo '# program: repose 1' >d/angle.cfg");
+    FAILS(65, "d/angle.cfg: not what these options say", "calibrate --theta-r-deg 30 --error-deg 1 -o d");
     /* two numbers of two texts, a name that one of them lacks */
     SHELL("sed 's/mu_roll = 0.1; //; s/.*name = .both.*//; s/10\\*x. },/10*x\\\" } );/' slide.cfg "
           ">other.cfg");

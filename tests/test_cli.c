@@ -129,6 +129,8 @@ static void test_wrong_usage(void)
         {64, "usage: repose lattice", "lattice --layers 5 6"},
         {64, "usage: repose angle slope FILE", "angle slope --width 4"},
         {64, "give a file, or --resume DIR", "run"},
+        {64, "-o: empty; leave it out", "run s.cfg -o ''"},
+        {64, "--resume: empty", "run s.cfg --resume ''"},
     };
     CHECK_FAILURES(list);
 }
@@ -328,7 +330,6 @@ static void test_bad_values(void)
         {65, "--alpha-deg = 70: out of range, allowed: (0, 60)", "continuum --alpha-deg 70"},
         {65, "--alpha-deg = \"steep\": a number expected", "continuum --alpha-deg steep"},
         {65, "--alpha-deg = \"nan\"", "continuum --alpha-deg nan"},
-        {65, "--at: \"\"", "continuum --alpha-deg 30 --at ''"},
         {65, "--at: \",0.2\": numbers", "continuum --alpha-deg 30 --at 0.1,,0.2"},
         {65, "--at: \"0.1x\": numbers", "continuum --alpha-deg 30 --at 0.2,0.1x"},
         {65, "--at: \"0.1;1\": numbers", "continuum --alpha-deg 30 --at '0.1;1'"},
@@ -839,6 +840,8 @@ static void test_cut_drops(void)
     scoped_table t = TABLE_OF("sweep export d --reduce");
     for (size_t k = 0; k < 3; k++)
         CHECK_EACH(cell(&t, k, NAME), 0.0, {"n", k == 0 ? 3.0 : 0.0}, {"n_failed", k == 0 ? 0.0 : 3.0});
+    CU_ASSERT_STRING_EQUAL(word(&t, 1, "failed_for"), "drops_not_quiet:3");
+    CU_ASSERT_STRING_EQUAL(word(&t, 2, "failed_for"), "no_pile:3");
     GOOD("sweep export d -o runs.tsv");
     read_again(&t, "runs.tsv");
     for (size_t k = 3; k < 9; k++) CU_ASSERT(cell(&t, k, "capped_share") > 0.0 || k > 5);
@@ -1246,6 +1249,13 @@ static void test_output_folder(void)
                0.1 - overlap, m);
     GOOD("run scene.cfg --set ledger=true --every 50 -o new/d");
     CU_ASSERT(out[0] == '\0');
+    SHELL("sed 's/steps = 100;/phases = ( { name = \"a\"; steps = 50; } ); "
+          "measure = ( { name = \"x\"; of = \"x\"; } );/' scene.cfg >p.cfg");
+    CU_ASSERT(run("run p.cfg -o phases --ledger --quiet") == 0);
+    for (int k = 0; k < 2; k++) { /* rows of as many cells as the header */
+        scoped_table e = read_table(k ? "phases/energy.tsv" : "new/d/energy.tsv");
+        CHECK_NEAR(cell(&e, e.n_rows - 1, "residual"), 0.0, 1e-9);
+    }
     scoped_table t = read_table("new/d/states.tsv");
     CU_ASSERT(t.n_rows == 3);
     CHECK_NEAR(cell(&t, 2, "y"), 0.1 - overlap, 1e-14);

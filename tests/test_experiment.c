@@ -423,8 +423,9 @@ static void test_run(void)
     FAILS(64, "--every needs -o DIR", "run h.cfg --every 3");
     FAILS(65, "--set Mu=0.3: no such key or let (did you mean \"mu\"?)", "run h.cfg --set Mu=0.3");
     FAILS(65, "let.D: D = 7: out of range, allowed: (0, 6) cm", "run h.cfg --set D=7");
-    FAILS(1, "deep: phase flow, step ", "run h.cfg --set 'phases[1].fail={deep=\"grains<50\"}'");
+    FAILS(1, "deep: phase flow, step ", "run h.cfg --set 'phases[1].fail={deep=\"grains<50\"}' -o o");
     CU_ASSERT(strstr(out, "# status: deep") != NULL);
+    FAILS(1, "o: the run is done, without a result: deep", "run --resume o");
 }
 
 /* Stopped in each phase, and resumed: the same bytes, in folders of the same name. */
@@ -432,13 +433,14 @@ static void test_resumed(void)
 {
     write_trial("h.cfg", hopper);
     SHELL("mkdir a b && cp h.cfg a && cp h.cfg b && cd a && $REPOSE run h.cfg -o o --snapshot 300 "
-          "--every 700 >a.out 2>/dev/null");
+          "--every 700 --ledger >a.out 2>/dev/null");
     static const char *const delays[] = {"0.02", "0.05", "0.1", "0.2"};
     for (size_t k = 0; k < 4; k++) {
         CU_ASSERT(
             shell_line(
                 "cd b && rm -rf o && timeout --foreground -s KILL %s $REPOSE run h.cfg -o o --snapshot 300 "
-                "--every 700 >/dev/null 2>&1; resume() { $REPOSE run h.cfg --resume o >/dev/null 2>&1 || "
+                "--every 700 --ledger >/dev/null 2>&1; resume() { $REPOSE run h.cfg --resume o >/dev/null "
+                "2>&1 || "
                 "exit 9; }; [ ! -e o/unfinished/snapshot ] || resume; "
                 /* timeout waits for the one it has killed, which holds the lock until then; a kill while the
                    result takes its place leaves the rest of that to the next command */

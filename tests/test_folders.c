@@ -38,7 +38,20 @@ static void test_refusals(void)
     GOOD("run s.cfg -o r");
     GOOD("sweep plan w.cfg -o w");
     GOOD("sweep run w -j 1 --quiet");
+    SHELL("mkdir -p row/unfinished; no=$(printf %032d | tr 0 -); echo x >row/unfinished/snapshot; printf "
+          "'repose folder 1\\nholds: \\n= %s unfinished\\n' $no >row/.repose; printf 'repose parts 1\\n"
+          "holds: w.cfg row 1 (go)\\n- %s snapshot\\n' $no >row/unfinished/.repose");
     static const char *const cases[][3] = {
+        {"cp -a row/. d", "pile -o d", "continue with the command that began it, of w.cfg row 1 (go)"},
+        {"cp -a row/. d", "run s.cfg -o d --force",
+         "continue with the command that began it, of w.cfg row 1"},
+        {"cp -a row/. d", "run --resume d", "the command that began it continues w.cfg row 1 (go)"},
+        {"cp -a row/. d", "run --resume d/unfinished", "d/unfinished: belongs to the unfinished run in /"},
+        {"cp -a row/. d", "pile -o d/unfinished/", "d/unfinished/: belongs to the unfinished run in /"},
+        {"cp -a row/. d", "sweep plan w.cfg -o d/unfinished", "d/unfinished: belongs to the unfinished run"},
+        {"cp -a row/. d", "export r --to csv -o d/unfinished/a",
+         "d/unfinished: belongs to the unfinished run"},
+        {"cp -a row/. d", "view r -o d/unfinished/a.svg", "d/unfinished: belongs to the unfinished run"},
         {"mkdir d/unfinished && echo a >d/unfinished/notes.txt", "run s.cfg -o d",
          "d/unfinished: not listed"},
         {"mkdir d/unfinished", "pile -o d", "d/unfinished: not listed"},
@@ -108,6 +121,10 @@ static void test_sweeps(void)
     SHELL("rm 'y?/lock' && mv 'y?/snapshots' s && ln -s ../s 'y?/snapshots'");
     GOOD("sweep plan w.cfg --replicas 3 -o 'y?'");
     FAILS(65, "y?/snapshots: no folder of this program", "sweep run 'y?'");
+    /* a salvage without room leaves all as it was */
+    SHELL("cp -a 'y?' before && cd 'y?' && { ulimit -f 8; \"$REPOSE\" sweep salvage . >../out 2>&1; test $? "
+          "= 74; }");
+    SHELL("cp -a 'y?'/store.sqlite-shm before 2>/dev/null; diff -r 'y?' before");
     SHELL("test \"$(cat n)\" = n && test \"$(ls s)\" = photo.png");
     SHELL("rm 'y?/snapshots' && mv s 'y?/snapshots'");
     CU_ASSERT(run("sweep run 'y?' -j 1 --quiet") == 0);

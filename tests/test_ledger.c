@@ -86,8 +86,13 @@ static void sliding_block(void)
 {
     for (int choice = 0; choice < 8; choice++) {
         dem_grain grain;
-        const dem_material floor = {
-            .k_n = 2e6, .gamma_n = 500.0, .k_s = 1e4, .gamma_s = choice & 4 ? 5.0 : 0.0, .mu = 0.2};
+        const dem_material floor = {.k_n = 2e6,
+                                    .gamma_n = 500.0,
+                                    .k_s = 1e4,
+                                    .gamma_s = choice == 6  ? 500.0
+                                               : choice & 4 ? 5.0
+                                                            : 0.0,
+                                    .mu = 0.2};
         dem_definition def = kicked(&grain, 15.0, &floor);
         def.slip = choice & 1 ? DEM_TOTAL : DEM_TRUNCATED;
         def.damping = choice & 2 ? DEM_DAMPING_INSIDE : DEM_DAMPING_OUTSIDE;
@@ -106,6 +111,8 @@ static void sliding_block(void)
         }
         if (def.slip == DEM_TOTAL) CHECK_NEAR(l.sliding, 0.0, one_step);
         if (choice & 4) CU_ASSERT(seen(l.shear_damping, &l));
+        if (choice == 6)
+            CU_ASSERT(l.shear_damping > 0.0 && l.sliding > 0.0); /* a dashpot far above the limit */
     }
 }
 

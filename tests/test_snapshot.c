@@ -438,10 +438,29 @@ static void stopped_runs(void)
     CHECK_PARTS(err, "cannot write: File too large");
     SHELL("cp -r d/unfinished u && rm -r d/unfinished && diff -r -x .repose d whole && cp -r u d/unfinished");
     FAILS(65, "d/unfinished/snapshot: an unfinished run; continue with --resume d", RUN "100 --force");
+    FAILS(65, "d/unfinished/snapshot: an unfinished run; continue with --resume d", "pile -o d --force");
     FAILS(65, "s.cfg: not the scene that the snapshot in d is of", "run s.cfg --resume d");
     SHELL("\"$REPOSE\" run s.cfg --set steps=1400 --set kernel=reference --resume d && ! test -e "
           "d/unfinished");
     SHELL("mv d resumed && cp -r whole d && " START "300 --set steps=1400 --force && diff -r d resumed");
+}
+
+/* Tables that another program takes or changes on the way are no result. */
+static void changed_tables(void)
+{
+    static const char *const list[] = {"rm d/unfinished/states.tsv", "truncate -s 20 d/unfinished/energy.tsv",
+                                       "sed -i s/model/nodel/ d/unfinished/walls.tsv"};
+    write_scene();
+    for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
+        const int end = shell_line(
+            "rm -rf d; "
+            "\"$REPOSE\" run s.cfg --every 70 --snapshot 1000 --set steps=30000 -o d 2>err & until test -s "
+            "d/unfinished/snapshot; do sleep 0.01; done; %s; wait $!",
+            list[k]);
+        CU_ASSERT(end == 74);
+        CHECK_PARTS(err, strrchr(list[k], '/') + 1);
+        CU_ASSERT(shell("ls d/*.tsv 2>ls") != 0);
+    }
 }
 
 static void refused_resumes(void)
@@ -479,7 +498,7 @@ static void refused_resumes(void)
     CU_ASSERT(flock(other, LOCK_EX) == 0);
     FAILS(74, "another process runs in this folder", "run --resume d");
     close(other);
-    SHELL("\"$REPOSE\" run --resume d && \"$REPOSE\" run --resume d >done && "
+    SHELL("\"$REPOSE\" run --resume d && \"$REPOSE\" run --resume d 2>done && "
           "grep -q 'd: the run is done' done && mv d again && " START "300 && diff -r d again");
     /* a finished run is that of its scene */
     SHELL("\"$REPOSE\" run s.cfg --resume again >done");
@@ -759,5 +778,5 @@ static void stopped_row(void)
 
 CHECK_SUITE_WITHIN(snapshot, "snapshot", enter, leave, every_law_integrator_and_feature, large_pile,
                    damaged_files, foreign_files, impossible_states, full_disk, killed_runs, stopped_runs,
-                   refused_resumes, no_snapshot, protocol_repose, protocol_stress, protocol_onset,
-                   protocol_drop, synced, sweep_rows, stopped_sweep, stopped_row)
+                   changed_tables, refused_resumes, no_snapshot, protocol_repose, protocol_stress,
+                   protocol_onset, protocol_drop, synced, sweep_rows, stopped_sweep, stopped_row)

@@ -616,10 +616,10 @@ static void test_chosen(void)
     FAILS(64, "--frame all: a picture shows one frame; -o NAME.gif shows 5", "view . -o a.svg --frame all");
     SHELL("grep -v '^[59]\\|^1[02]' states.tsv >one.tsv");
     tell("one.tsv -o a.svg --frame all"); /* of one frame */
-    static const char *const windows[] = {"1,1,0,1",          "0,1,1,1",         "0,1,2,1",   "0,1,0",
-                                          "0,1,0,1,",         "0,1,0,1,2",       "0,1,0,x",   "",
-                                          "0,inf,0,1",        "0,1,-inf,0",      "nan,1,0,1", "-inf,0,0,1",
-                                          "-1e308,1e308,0,1", "0,1,-1e308,1e308"};
+    static const char *const windows[] = {"1,1,0,1",         "0,1,1,1",   "0,1,2,1",    "0,1,0",
+                                          "0,1,0,1,",        "0,1,0,1,2", "0,1,0,x",    "0,inf,0,1",
+                                          "0,1,-inf,0",      "nan,1,0,1", "-inf,0,0,1", "-1e308,1e308,0,1",
+                                          "0,1,-1e308,1e308"};
     for (size_t k = 0; k < sizeof windows / sizeof *windows; k++)
         FAILS(64, "X0 < X1 and Y0 < Y1", "view . -o a.svg --window '%s'", windows[k]);
     FAILS(64, "ends in .png", "view . -o .svg"); /* an ending alone is no name */

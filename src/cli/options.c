@@ -255,6 +255,8 @@ rp_status cli_parse(cli_call *call, const cli_command *command, int argc, char *
             return rp_fail(RP_USAGE, "option %s needs a value; see %s %s --help", argv[optind - 1],
                            call->program->name, command->name);
         const rp_param *p = c < 256 ? rp_params_find(call->options, letter + 1) : &call->options[c - 256];
+        if (p->type == RP_TEXT && !*optarg && (!p->fallback || !*p->fallback)) /* as of -o "$unset" */
+            return rp_fail(RP_USAGE, "%s%s: empty; leave it out, or give a value", cli_dashes(p), p->name);
         call->given[p - call->options] = true;
         status = rp_params_set_text(p, call->values, p->type == RP_BOOL ? "true" : optarg);
         rp_prefix(status, "%s", cli_dashes(p));

@@ -6,6 +6,7 @@
 #include <signal.h>
 #include <stdbool.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <xxhash.h>
 
@@ -44,15 +45,17 @@ static rp_status open_table(cli_unfinished *u, int k, int flags)
     return rp_folder_file(&u->stage, t->name, flags, &t->file);
 }
 
-/* A run that can be resumed is not thrown away; one that writes its own tables resumes by itself. */
+/* A run that can be resumed is not thrown away; a sweep's row resumes by itself. */
 static rp_status open_tables(cli_unfinished *u)
 {
     const int n = u->names ? CLI_GROWING : 0;
+    const bool scene = rp_folder_find(&u->stage, "states.tsv", 0);
     if (rp_is_in(u->stage.path, "snapshot"))
-        return n == 0 ? RP_OK
-                      : rp_fail(RP_BAD_INPUT,
-                                "%s: an unfinished run; continue with --resume %s, or remove the folder",
-                                path_of(u, "snapshot"), u->directory);
+        return u->resumes && !scene
+                   ? RP_OK
+                   : rp_fail(RP_BAD_INPUT, "%s: an unfinished run; continue with %s%s, or remove the folder",
+                             path_of(u, "snapshot"), scene ? "--resume " : "the command that began it, of ",
+                             scene ? u->directory : u->stage.holds);
     RP_TRY(rp_folder_clear(&u->stage));
     for (int k = 0; k < n; k++) RP_TRY(rp_folder_list(&u->stage, u->names[k], RP_OWN_STAYS));
     RP_TRY(rp_folder_list(&u->stage, "snapshot", RP_OWN_GOES));
@@ -87,6 +90,7 @@ static rp_status hash_to(cli_growing *t, long length)
         if (n < 0 && errno == EINTR) continue;
         if (n < 0) return failed(t->name);
         if (n == 0) return rp_fail(RP_BAD_INPUT, "%s: shorter than at the snapshot", t->name);
+        if (memchr(bytes, '\0', (size_t)n)) return rp_fail(RP_IO, "%s: cut by another program", t->name);
         XXH3_128bits_update(t->hash, bytes, (size_t)n);
         t->hashed += n;
     }
@@ -134,6 +138,10 @@ rp_status cli_unfinished_resume(cli_unfinished *u, cli_keep *keep, void *context
     *done |= table && u->stage.n == 0;
     if (*done) return RP_OK;
     if (!u->stage.marked) return rp_fail(RP_BAD_INPUT, "%s: no unfinished run", u->directory);
+    if (!rp_folder_find(&u->stage, u->names[0], 0))
+        return rp_fail(RP_BAD_INPUT,
+                       "%s: no unfinished run of a scene; the command that began it continues %s",
+                       u->directory, u->stage.holds);
     RP_TRY(rp_snapshot_read(&s, path_of(u, "snapshot"), OWNER, u->layout));
     RP_TRY(keep_all(u, &s, keep, context));
     u->entered = true;
@@ -164,6 +172,32 @@ rp_status cli_unfinished_write(cli_unfinished *u, cli_keep *keep, void *context)
     return RP_OK;
 }
 
+/* The open tables are what was written: in their place, as long, with the same bytes up to the snapshot, and
+ * without the holes of one that was cut. */
+static rp_status check_tables(const cli_unfinished *u)
+{
+    for (int k = 0; k < CLI_GROWING; k++) {
+        cli_growing t = u->table[k];
+        struct stat here, there;
+        if (!t.file) continue;
+        const XXH128_hash_t hash = XXH3_128bits_digest(t.hash);
+        const long hashed = t.hashed, written = ftell(t.file);
+        bool same = fstat(fileno(t.file), &here) == 0 && here.st_size == written &&
+                    fstatat(u->stage.file, t.name, &there, AT_SYMLINK_NOFOLLOW) == 0 &&
+                    here.st_dev == there.st_dev && here.st_ino == there.st_ino;
+        XXH3_128bits_reset(t.hash);
+        t.hashed = 0;
+        same = same && hash_to(&t, hashed) == RP_OK && XXH128_isEqual(hash, XXH3_128bits_digest(t.hash)) &&
+               hash_to(&t, written) == RP_OK;
+        if (!same)
+            return rp_fail(RP_IO,
+                           "%s: removed or changed by another program while the run wrote it; remove the "
+                           "folder, and run again",
+                           path_of(u, t.name));
+    }
+    return RP_OK;
+}
+
 /* What was computed before a failure: tables whose last line says why, and none that cannot be written. */
 static rp_status leave_tables(cli_unfinished *u, rp_status run)
 {
@@ -185,6 +219,7 @@ rp_status cli_unfinished_end(cli_unfinished *u, bool resumable, rp_status run)
 {
     if (!u->entered) return run;
     if (!run) run = sync_tables(u);
+    if (!run) run = check_tables(u);
     if (!run) {
         alarm(0);
         cli_on_stop(SIG_IGN); /* the tables will not be where the message says */

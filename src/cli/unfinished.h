@@ -22,11 +22,11 @@ typedef struct {
 
 /* Set by the caller: an arena for paths, the folder DIR, what it then holds, whether it may replace a
  * finished result, the layout of what the caller keeps, and the names of the tables; without names the folder
- * is for a run that writes its own. */
+ * is for a run that writes its own, and may resume from a snapshot there. */
 typedef struct {
     rp_arena *arena;
     const char *directory, *holds;
-    bool force;
+    bool force, resumes;
     uint64_t layout;
     const char *const *names; /* CLI_GROWING, or NULL */
     bool entered;             /* this process is at it */
@@ -37,7 +37,7 @@ typedef struct {
 /* The caller's part of a snapshot. */
 typedef void cli_keep(rp_snapshot *s, void *context);
 
-/* Make the folder, with empty tables; without names it stays as it is if it holds a snapshot.
+/* Make the folder, with empty tables; one that `resumes` stays as it is if it holds a snapshot.
  * cli_unfinished_end follows, and cli_unfinished_free also after an error. Errors: RP_BAD_INPUT (it holds a
  * run that can be resumed, a finished result, or files that are not ours), RP_IO (also: another process is at
  * it), RP_NO_MEMORY. */

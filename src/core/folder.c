@@ -89,6 +89,7 @@ static rp_status read_marker(rp_folder *f)
 {
     const int file = open_file(f, MARKER);
     if (file < 0 && errno == ENOENT) return RP_OK;
+    if (file < 0 && errno != ELOOP) return failed(f, MARKER);
     FILE *in = file < 0 ? NULL : fdopen(file, "r");
     char *line = NULL;
     size_t room = 0;
@@ -211,9 +212,31 @@ rp_status rp_folder_open(const char *path, rp_folder *f)
     return read_marker(f);
 }
 
+static struct stat entered; /* the folder "unfinished" of this process's own result */
+
+static bool is_same(const struct stat *a, const struct stat *b)
+{
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
+}
+
+/* Refuse the folder "unfinished" of a run, which belongs to it, unless this process is at it. */
+static rp_status refuse_stage(const rp_folder *f)
+{
+    struct stat here, there;
+    char path[PATH_MAX];
+    RP_ENDS(close_file) const int above = openat(f->file, "..", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (!f->parts || above < 0 || fstat(f->file, &here) != 0 || is_same(&here, &entered)) return RP_OK;
+    if (fstatat(above, STAGE, &there, AT_SYMLINK_NOFOLLOW) != 0 || !is_same(&here, &there)) return RP_OK;
+    if (!realpath(f->path, path)) return failed(f, "");
+    *strrchr(path, '/') = '\0';
+    return rp_fail(RP_BAD_INPUT, "%s: belongs to the unfinished run in %s; give that folder, or another one",
+                   f->path, path);
+}
+
 rp_status rp_folder_enter(const char *path, rp_folder *f)
 {
     RP_TRY(rp_folder_open(path, f));
+    RP_TRY(refuse_stage(f));
     if (flock(f->file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return RP_OK;
     return rp_fail(RP_IO, "%s: another process runs in this folder", path);
 }
@@ -223,6 +246,7 @@ static rp_status open_in(const rp_folder *f, const char *name, rp_folder *in)
 {
     *in = (rp_folder){.file = openat(f->file, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC)};
     snprintf(in->path, sizeof in->path, "%.*s/%s", PATH_MAX - 300, f->path, name);
+    if (in->file < 0 && (errno == EMFILE || errno == ENFILE)) return failed(f, name);
     return in->file < 0 ? not_ours(f, name, "no folder of this program") : read_marker(in);
 }
 
@@ -352,6 +376,7 @@ rp_status rp_folder_stage(rp_folder *f, bool make, rp_folder *stage)
     if (make && mkdirat(f->file, STAGE, 0777) != 0 && errno != EEXIST) return failed(f, STAGE);
     RP_TRY(open_in(f, STAGE, stage));
     RP_TRY(remove_new(stage));
+    fstat(stage->file, &entered);
     if (!stage->marked) RP_TRY(each(stage, refuse_any));
     stage->parts = true;
     return RP_OK;
@@ -469,6 +494,7 @@ rp_status rp_folder_admit(const char *path, const char *temporary, bool owner)
     const char *name, *slash = strrchr(temporary, '/');
     struct stat info;
     if (open_of(path, &f, &name)) return RP_OK; /* told by what follows */
+    RP_TRY(refuse_stage(&f));
     const bool there = is_there(&f, name, &info);
     if (there) RP_TRY(read_marker(&f)); /* of a marker that cannot be read nobody knows what it lists */
     const bool own = there && rp_folder_find(&f, name, 0);

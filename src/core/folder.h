@@ -33,7 +33,8 @@ typedef struct {
 } rp_folder;
 
 /* Open a folder and read its marker; enter: lock it too. rp_folder_close follows, also after an error.
- * Errors: RP_IO (also: locked by another process), RP_BAD_INPUT (a file .repose that is no marker),
+ * Errors: RP_IO (also: locked by another process), RP_BAD_INPUT (a file .repose that is no marker; entered:
+ * the folder "unfinished" of a run),
  * RP_NO_MEMORY. */
 rp_status rp_folder_open(const char *path, rp_folder *f);
 rp_status rp_folder_enter(const char *path, rp_folder *f);

@@ -123,7 +123,7 @@ static rp_status renew(dem_sim **sim, const dem_definition *laws, const choice *
     const double before = dem_energy_now(old);
     go_on(made, old, ids);
     if (made->ledger && dem_ledger_read(old, &sum)) {
-        const rp_status status = dem_ledger_go_on(made, &sum, before, ids);
+        const rp_status status = dem_ledger_go_on(made, &sum, before, ids, out->in != NULL);
         if (status) return dem_free(made), status;
     }
     dem_free(old);

@@ -157,15 +157,20 @@ static rp_status copy_whole_rows(sweep_store *s, const sweep_plan *plan, sweep_s
     sqlite3_str_appendall(select, " FROM runs WHERE rowid = ?");
     sqlite3_stmt *from = sweep_sql_query_text(damaged, select),
                  *into = sweep_store_query_insert(s, plan->protocol);
-    rp_status status = from && into ? RP_OK : sweep_sql_fail(from ? s : damaged, "read the rows");
+    const int read = sqlite3_errcode(damaged->db) & 0xff; /* no table left: no row */
+    const bool lost = read == SQLITE_CORRUPT || read == SQLITE_NOTADB || read == SQLITE_ERROR;
+    rp_status status = into && (from || lost) ? RP_OK : sweep_sql_fail(into ? damaged : s, "read the rows");
     *n = 0;
-    for (sqlite3_int64 id = 1, last = 0; !status && id - last < MOST_IN_A_ROW; id++) {
+    for (sqlite3_int64 id = 1, last = 0; from && !status && id - last < MOST_IN_A_ROW; id++) {
         sqlite3_bind_int64(from, 1, id);
         if (sqlite3_step(from) == SQLITE_ROW && sweep_store_row_is_whole(from, plan->protocol)) {
             for (int c = 0; c < sqlite3_column_count(from); c++)
                 sqlite3_bind_value(into, c + 1, sqlite3_column_value(from, c));
             sqlite3_bind_null(into, 2); /* its number comes from the plan */
-            if (sqlite3_step(into) == SQLITE_DONE) ++*n;
+            const int stored = sqlite3_step(into);
+            *n += stored == SQLITE_DONE;
+            if (stored != SQLITE_DONE && stored != SQLITE_CONSTRAINT)
+                status = sweep_sql_fail(s, "write the store");
             sqlite3_reset(into);
             last = id;
         }
@@ -188,7 +193,7 @@ rp_status sweep_store_salvage(sweep_store *s, const sweep_plan *plan, const char
     if (sqlite3_open_v2(path, &damaged.db, SQLITE_OPEN_READWRITE, NULL) != SQLITE_OK)
         return sweep_sql_fail(&damaged, "open the damaged store");
     /* so told, SQLite reads a file that is shorter than its header says */
-    RP_TRY(sweep_sql(&damaged, "open the damaged store", "PRAGMA writable_schema = ON"));
+    sqlite3_exec(damaged.db, "PRAGMA writable_schema = ON", NULL, NULL, NULL);
     RP_TRY(sweep_sql(s, "write the store", "BEGIN IMMEDIATE"));
     RP_TRY(copy_whole_rows(s, plan, &damaged, n));
     RP_TRY(sweep_store_number(s, plan, NULL));

@@ -210,7 +210,7 @@ static void write_point(table *t)
         rp_table_row_word(t->out, n, values, causes);
     }
     t->n_rows = t->n_results = 0;
-    t->causes.n = 0;
+    t->causes = (rp_tally){0};
     memset(t->n_finite, 0, t->n_outputs * sizeof *t->n_finite);
 }
 

@@ -125,6 +125,10 @@ static rp_status open_main(const sweep_protocol *const *protocols, sweep_access 
     if (replicas > 0 && replicas != folder->plan.replicas)
         RP_TRY(sweep_plan_replicate(&folder->plan, replicas));
     RP_TRY(sweep_store_note(folder->store, "main", "plan", text, sizeof text));
+    if (!*text)
+        return rp_fail(RP_BAD_INPUT,
+                       "%s: holds no sweep: new, empty or cut; plan again with `repose sweep plan`",
+                       folder->sqlite);
     if (strcmp(text, folder->plan.hash) != 0)
         return rp_fail(RP_BAD_INPUT,
                        "%s: the plan is not that of sweep.cfg and this version of the program; "
@@ -364,30 +368,61 @@ rp_status sweep_merge(const char *dir, const sweep_protocol *const *protocols, s
     return list_shards(&f, counts->shards, sizeof counts->shards);
 }
 
+static const char *const ends[] = {"-shm", "-wal", "-journal",
+                                   ""}; /* of a store's files; the name itself last */
+enum { N_ENDS = sizeof ends / sizeof *ends };
+
+/* Nothing is there under this name, or with such an end. */
+static rp_status check_no_store(sweep_folder *f, const char *store)
+{
+    struct stat info;
+    const char *path;
+    for (size_t i = 0; i < N_ENDS; i++) {
+        RP_TRY(rp_path(&f->memory, &path, "%s%s", store, ends[i]));
+        if (lstat(path, &info) == 0)
+            return rp_fail(RP_BAD_INPUT, "%s: kept of an earlier salvage; move it away first", path);
+    }
+    return RP_OK;
+}
+
+static rp_status make_salvaged(sweep_folder *f, const char *made, size_t *n)
+{
+    rp_status status = sweep_store_open(made, SWEEP_CREATE, &f->store);
+    if (!status) status = sweep_store_write_plan(f->store, &f->plan, f->cfg, NULL);
+    if (!status) status = sweep_store_salvage(f->store, &f->plan, f->sqlite, n);
+    sweep_store_close(f->store);
+    f->store = NULL;
+    return status;
+}
+
+/* A new store beside the damaged one, which takes its place when it is whole. */
 rp_status sweep_salvage(const char *dir, const sweep_protocol *const *protocols, size_t *n)
 {
-    static const char *const ends[] = {"", "-wal", "-journal"};
-    enum { N_ENDS = sizeof ends / sizeof *ends };
-    struct stat info;
     RP_ENDS(sweep_folder_close) sweep_folder f;
-    const char *kept, *from, *to;
+    const char *kept, *made, *from, *to;
     *n = 0;
     RP_TRY(name_files(dir, &f));
     RP_TRY(rp_path(&f.memory, &kept, "%s/damaged.sqlite", dir));
+    RP_TRY(rp_path(&f.memory, &made, "%s/salvaged.sqlite", dir));
     RP_TRY(lock_folder(&f));
     RP_TRY(sweep_plan_read(f.cfg, protocols, &f.plan));
     if (access(f.sqlite, F_OK) != 0) return rp_fail(RP_BAD_INPUT, "%s: no store", f.sqlite);
-    for (size_t i = 0; i < 2 * N_ENDS; i++) { /* look at all, then rename all */
-        RP_TRY(rp_path(&f.memory, &from, "%s%s", f.sqlite, ends[i % N_ENDS]));
-        RP_TRY(rp_path(&f.memory, &to, "%s%s", kept, ends[i % N_ENDS]));
-        if (i < N_ENDS && lstat(to, &info) == 0)
-            return rp_fail(RP_BAD_INPUT, "%s: kept of an earlier salvage; move it away first", to);
-        if (i >= N_ENDS && rename(from, to) != 0 && errno != ENOENT)
-            return rp_fail(RP_IO, "%s: cannot rename: %s", from, strerror(errno));
+    RP_TRY(check_no_store(&f, kept));
+    RP_TRY(check_no_store(&f, made));
+    rp_status status = make_salvaged(&f, made, n);
+    for (size_t i = 0; i < N_ENDS && !status; i++) {
+        RP_TRY(rp_path(&f.memory, &from, "%s%s", f.sqlite, ends[i]));
+        RP_TRY(rp_path(&f.memory, &to, "%s%s", kept, ends[i]));
+        if (rename(from, to) != 0 && errno != ENOENT)
+            status = rp_fail(RP_IO, "%s: cannot rename: %s", from, strerror(errno));
     }
-    RP_TRY(sweep_store_open(f.sqlite, SWEEP_CREATE, &f.store));
-    RP_TRY(sweep_store_write_plan(f.store, &f.plan, f.cfg, NULL));
-    return sweep_store_salvage(f.store, &f.plan, kept, n);
+    if (!status && rename(made, f.sqlite) != 0)
+        return rp_fail(RP_IO, "%s: cannot rename: %s", made, strerror(errno));
+    for (size_t i = 0; i < N_ENDS && status; i++) {
+        RP_TRY(rp_path(&f.memory, &to, "%s%s", made, ends[i]));
+        unlink(to);
+    }
+    return rp_prefix(status, "salvage: nothing is changed: ");
 }
 
 /* Whose a snapshot is: of this run with these tables. */

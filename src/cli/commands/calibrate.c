@@ -1,9 +1,11 @@
 /* repose calibrate: names of experiments from numbers that were measured. Each stage of the search is a sweep
  * in the folder, which it goes on from. */
+#include <errno.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "cli/cli.h"
 
@@ -282,7 +284,11 @@ static rp_status find_names(problem *s)
         one.has[p] = true;
         RP_TRY(write_sweep(s, &one, path, 1, x, 1));
         const rp_status status = cli_sweep_table(s->call, path, SWEEP_RUNS, &table, NULL);
-        if (status && !strstr(rp_message(), "unknown key")) return status;
+        if (status && !strstr(rp_message(), "unknown key")) { /* of the file that a person knows */
+            const char *why = rp_text(s->call->arena, "%s", rp_message()), *at = strstr(why, path);
+            if (at) at = strstr(at, ": ");
+            return rp_fail(status, "%s: fit.%s: %s", s->path, s->name[p], at ? at + 2 : why);
+        }
         s->group[g].has[p] = !status;
         found[p] |= !status;
         for (size_t k = 0; k < s->quest.n_numbers && !status; k++)
@@ -669,30 +675,55 @@ static rp_status write_file(const cli_call *call, const calibrate_options *o, co
     if (!*numbers)
         return rp_fail(RP_USAGE, "FILE.cfg, --theta-r-deg or --theta-t-deg is required; see repose calibrate "
                                  "--help");
+    const char *text =
+        rp_text(call->arena,
+                "# Friction of a box that is opened on one side, from the angles of the pile.\n"
+                "fit = { mu = [0.05, 0.8]; };\nmeasured = (\n%s );\n",
+                numbers);
     RP_TRY(rp_make_directory(o->o));
     RP_TRY(rp_path(call->arena, path, "%s/angle.cfg", o->o));
+    if (access(*path, F_OK) == 0) { /* a person may have changed it */
+        char *there;
+        const rp_status read = rp_file_read(*path, &there);
+        const bool same = !read && rp_ends_in(there, text);
+        free(there);
+        return read || same
+                   ? read
+                   : rp_fail(RP_BAD_INPUT,
+                             "%s: not what these options say; give it as the file, or another folder", *path);
+    }
     RP_TRY(rp_file_open(*path, &out));
-    fprintf(out,
-            "# program: repose %s\n"
-            "# Friction of a box that is opened on one side, from the angles of the pile.\n"
-            "fit = { mu = [0.05, 0.8]; };\nmeasured = (\n%s );\n",
-            RP_VERSION, numbers);
+    fprintf(out, "# program: repose %s\n%s", RP_VERSION, text);
     return rp_file_close(*path, out, RP_OK);
+}
+
+/* The files that a dry run has needed, in a folder of its own. */
+static void remove_files(const problem *s)
+{
+    for (size_t g = 0; g < s->quest.n_groups; g++) unlink(sweep_path(s, 0, g, ".cfg"));
+    unlink(rp_text(s->call->arena, "%s/angle.cfg", s->o->o));
+    rmdir(s->o->o);
 }
 
 static rp_status calibrate(cli_call *call, const void *values)
 {
-    const calibrate_options *o = values;
+    calibrate_options own = *(const calibrate_options *)values, *o = &own;
+    char aside[] = "/tmp/repose_XXXXXX";
     const char *file = cli_argument(call, 0);
     if (file && (!isinf(o->theta_r_deg) || !isinf(o->error_deg) || !isinf(o->theta_t_deg) ||
                  !isinf(o->theta_t_error_deg)))
         return rp_fail(RP_USAGE, "%s says what is measured: no --theta-r-deg and no --theta-t-deg", file);
-    if (!file) RP_TRY(write_file(call, o, &file));
-    problem s = {.call = call, .o = o, .path = cli_data(call->arena, file)};
-    const char *slash = strrchr(s.path, '/');
-    s.folder = rp_text(call->arena, "%.*s", slash ? (int)(slash - s.path) + 1 : 0, s.path);
-    rp_status status = find(&s);
-    config_destroy(&s.config);
+    if (o->dry_run && !(o->o = mkdtemp(aside))) return rp_fail(RP_IO, "%s: %s", aside, strerror(errno));
+    problem s = {.call = call, .o = o};
+    rp_status status = file ? RP_OK : write_file(call, o, &file);
+    if (!status) {
+        s.path = cli_data(call->arena, file);
+        const char *slash = strrchr(s.path, '/');
+        s.folder = rp_text(call->arena, "%.*s", slash ? (int)(slash - s.path) + 1 : 0, s.path);
+        status = find(&s);
+        config_destroy(&s.config);
+    }
+    if (o->dry_run) remove_files(&s);
     return status;
 }
 

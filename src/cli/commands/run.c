@@ -147,6 +147,10 @@ static void keep_run(rp_snapshot *s, void *context)
         s,
         rp_keep_bool(&r->plan.stages) && rp_keep_bool(&r->plan.phases) && r->plan.phases == (r->exp != NULL),
         r->exp ? "no phases" : "phases: give the file too, and its --set: repose run FILE --resume DIR");
+    if (s->reading && r->plan.ledger) { /* as the start was told */
+        r->scene.def.ledger = true;
+        if (r->phases) exp_keep_ledger(r->phases);
+    }
     if (!r->plan.phases || s->status) {
         dem_keep(s, &r->sim);
         return;
@@ -468,7 +472,8 @@ static rp_status run_row(const cli_call *call, const char *path, const run_optio
     origin of = {.call = *call};
     snprintf(of.run, sizeof of.run, "%s row %ld", path, o->row);
     RP_ENDS(cli_unfinished_free)
-    cli_unfinished folder = {.arena = call->arena, .directory = o->o, .holds = holds(&of), .force = o->force};
+    cli_unfinished folder = {
+        .arena = call->arena, .directory = o->o, .holds = holds(&of), .force = o->force, .resumes = true};
     RP_TRY(cli_unfinished_start(&folder));
     RP_TRY(rp_path(call->arena, &snapshot, "%s/snapshot", folder.stage.path));
     cli_unfinished_stops(o->o, &stopped);
@@ -563,6 +568,7 @@ static rp_status read_text(const char *path, scene_run *r)
     if (*scene->unused) fprintf(stderr, "repose run: particles_file: not used:%s\n", scene->unused);
     warn_gravity(path, hypot(scene->def.gravity[0], scene->def.gravity[1]));
     if (r->o->ledger) scene->def.ledger = true;
+    if (r->o->ledger && r->phases) exp_keep_ledger(r->phases);
     return RP_OK;
 }
 
@@ -684,6 +690,25 @@ static rp_status check_scene(const char *path, const scene_run *r, bool done)
                    done ? "tables" : "snapshot", r->o->resume, done ? "are" : "is");
 }
 
+/* The run is done; where its phases ended with a word other than ok, that is no result. */
+static rp_status tell_done(const scene_run *r)
+{
+    static const char label[] = "# status: ";
+    const char *path, *directory = r->unfinished.directory;
+    char *text = NULL, *word = NULL;
+    RP_TRY(rp_path(r->of.call.arena, &path, "%s/measures.tsv", directory));
+    if (rp_is_in(directory, "measures.tsv")) {
+        const rp_status read = rp_file_read(path, &text);
+        if (!rp_arena_keep(r->of.call.arena, text, free) || read) return read ? read : RP_NO_MEMORY;
+        word = strstr(text, label);
+    }
+    if (word) word = strtok(word + strlen(label), "\n");
+    if (word && !rp_is_result(word))
+        return rp_fail(RP_NO_RESULT, "%s: the run is done, without a result: %s", directory, word);
+    fprintf(stderr, "repose run: %s: the run is done; its tables are in this folder\n", directory);
+    return RP_OK;
+}
+
 static rp_status resume(const cli_call *call, const run_options *o)
 {
     static const char *const of_the_start[] = {"o", "every", "row", "snapshot", "dump", "force", "from"};
@@ -702,12 +727,10 @@ static rp_status resume(const cli_call *call, const run_options *o)
     bool done;
     rp_status status = cli_unfinished_resume(&r.unfinished, keep_run, &r, &done);
     if (!status && scene) status = check_scene(scene, &r, done);
-    if (!status && done) printf("%s: the run is done; its tables are in this folder\n", o->resume);
+    if (!status && done) status = tell_done(&r);
     if (status || done) return cli_unfinished_end(&r.unfinished, true, status);
-    if (r.exp)
-        r.of.call.line = r.line, printf("%s: continues from step %ld\n", o->resume, steps_of(&r));
-    else
-        printf("%s: continues from step %ld to %ld\n", o->resume, dem_step(r.sim), r.plan.steps);
+    if (r.exp) r.of.call.line = r.line;
+    if (!o->quiet) fprintf(stderr, "repose run: %s: continues from step %ld\n", o->resume, steps_of(&r));
     return finish_scene(&r, RP_OK);
 }
 

@@ -99,8 +99,11 @@ static dem_parts split_force(const dem_sim *sim, const dem_relative *r)
     case DEM_MINDLIN:
     case DEM_SPRING:
         if (def->slip == DEM_TOTAL && fabs(pull) > cap) pull = copysign(cap, pull);
-        p.spring = -pull;
         p.dashpot = pull + f_s;
+        /* inside the limit it acts as far as the limit goes; a spring beyond it is the slider's affair */
+        if (def->damping == DEM_DAMPING_INSIDE && fabs(p.dashpot) > cap)
+            p.dashpot = copysign(cap, p.dashpot), pull = p.dashpot - f_s;
+        p.spring = -pull;
         break;
     case DEM_SLIP_ROLL: *(f_s == -(c->gamma_s * r->m_eff * r->v_s) ? &p.dashpot : &p.slip) = f_s; break;
     }
@@ -396,7 +399,8 @@ void dem_ledger_start(dem_sim *sim)
     b->sum.start = dem_energy_now(sim);
 }
 
-rp_status dem_ledger_go_on(dem_sim *sim, const dem_ledger *sum, double before, const uint32_t ids[])
+rp_status dem_ledger_go_on(dem_sim *sim, const dem_ledger *sum, double before, const uint32_t ids[],
+                           bool removes)
 {
     struct dem_ledger_state *b = sim->ledger;
     const double gained = b->sum.start - before;
@@ -410,7 +414,7 @@ rp_status dem_ledger_go_on(dem_sim *sim, const dem_ledger *sum, double before, c
         c->key = (uint64_t)c->a << 32 | (c->b ? c->b : last);
     }
     b->sum = *sum;
-    b->sum.put_in += gained;
+    *(removes ? &b->sum.taken_out : &b->sum.put_in) += removes ? -gained : gained;
     b->sum.turnover += fabs(gained);
     return RP_OK;
 }

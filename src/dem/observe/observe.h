@@ -23,7 +23,8 @@ void dem_ledger_free(dem_sim *sim);
 
 /* Go on with these sums, of a simulation whose energy was `before`; what there is now more, is put in. Grain
  * number k has the id ids[k]. dem_ledger_halt: the same where all stand still, whose forces are recorded. */
-rp_status dem_ledger_go_on(dem_sim *sim, const dem_ledger *sum, double before, const uint32_t ids[]);
+rp_status dem_ledger_go_on(dem_sim *sim, const dem_ledger *sum, double before, const uint32_t ids[],
+                           bool removes);
 void dem_ledger_halt(dem_sim *sim, double before);
 
 /* Its part of a snapshot; a reading makes the ledger. */
