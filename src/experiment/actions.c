@@ -150,15 +150,17 @@ static bool draw_grain(exp_run *run, const exp_phase *p, dem_grain *g)
     for (int k = 0; k < TRIES; k++) {
         g->x = between(run, x);
         run->grain.touch = a->in_range ? NAN : touch_height(run, g->x, g->r, gap);
-        const double y[2] = {exp_value(run, &a->y[0]), a->in_range ? exp_value(run, &a->y[1]) : NAN};
+        const double y[2] = {exp_number(run, "add.y", &a->y[0]),
+                             a->in_range ? exp_number(run, "add.y", &a->y[1]) : NAN};
         g->y = a->in_range ? between(run, y) : y[0];
         if (!a->in_range) break;
         if (!touches(run, g->x, g->y, g->r)) break;
         if (k == TRIES - 1) return false;
     }
     run->grain.y = g->y;
-    g->vx = exp_value(run, &a->vx), g->vy = exp_value(run, &a->vy), g->omega = exp_value(run, &a->omega);
-    return isfinite(g->x) && isfinite(g->y);
+    g->vx = exp_number(run, "add.vx", &a->vx), g->vy = exp_number(run, "add.vy", &a->vy);
+    g->omega = exp_number(run, "add.omega", &a->omega);
+    return !run->at.done && isfinite(g->x) && isfinite(g->y);
 }
 
 static void add_grain(exp_run *run, const exp_phase *p)

@@ -264,7 +264,9 @@ void exp_conclude(exp_run *run, const char *status, const char *format, ...)
 
 const dem_physics *exp_laws(const exp_run *run); /* that hold */
 double exp_value(exp_run *run, const exp_expression *e);
-bool exp_true(exp_run *run, const exp_expression *e);
+bool exp_true(exp_run *run, const exp_expression *e); /* of a NAN false: a sample that is none */
+/* Of a key of the present phase; a truth is 0 or 1. NAN ends the run. */
+double exp_number(exp_run *run, const char *key, const exp_expression *e);
 
 /* Does an expression ask for this observable; NULL: for any, and not for measures alone? */
 bool exp_asks(const exp_plan *plan, const exp_expression *e, const char *observable);
