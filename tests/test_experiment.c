@@ -817,6 +817,7 @@ static void test_refused_more(void)
         {lift, "of = `y`; at = `lie`", "of = `y`; during = `lie`; take = `avalanches`",
          "avalanches are found by drop, or by event"},
         {lift, "v = 2.0", "v = 900.0", "phase up: wall plate needs dt <= "},
+        {lift, "every = 10;", "gravity = (0.0, `-1e9*t`); every = 10;", "phase up: dt = 0.0001: too large"},
         {lift, "`v`", "`2000*cos(t)`", "phase up: wall plate needs dt <= "}};
     check_refused(sizeof cases / sizeof *cases, cases);
     static const trial_change fast[] = {

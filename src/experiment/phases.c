@@ -193,7 +193,9 @@ static void set_forces(exp_run *run, const exp_phase *p, bool each_step)
     if (exp_given(&p->gravity[0]) && p->gravity_each_step == each_step) {
         const double gravity[2] = {exp_number(run, "gravity", &p->gravity[0]),
                                    exp_number(run, "gravity", &p->gravity[1])};
-        if (!run->at.done) dem_gravity_set(run->sim, gravity);
+        if (run->ahead && !run->at.done) exp_check_speed(run, "gravity", gravity, true);
+        if (run->at.done) return;
+        dem_gravity_set(run->sim, gravity);
     }
     for (const exp_move *m = p->moves; m < p->moves + p->n_moves && !run->at.done; m++) {
         if (m->each_step != each_step) continue;
