@@ -266,6 +266,10 @@ static void test_words(void)
         {hopper, "clogged = `rest`", "deep = `grains < 50`", "deep"},
         {hopper, "N = 60", "N = 6000", "no_room"},
         {hopper, "`height`", "`sqrt(-height)`", "nan"},
+        {hopper, "`height`", "`sqrt(-height) > 1 ? 1 : 2`", "nan"},
+        {hopper, "clogged = `rest`", "low = `sqrt(-height) < 5`", "nan"},
+        {hopper, "clogged = `rest`", "low = `height < 0 and sqrt(-height) < 5`", "ok"},
+        {hopper, "grains < stop", "not (sqrt(-height) < 5)", "nan"},
         {hopper, "held(energy < 1e-3, 3)`", "rest`; most = 4000", "not_at_rest"},
         {hopper, "take = `rate`", "when = `grains < 0`; take = `rate`", "no_samples"},
         {hopper, "clogged = `rest`", "narrow = `D < 2`", "narrow"},
@@ -292,6 +296,8 @@ static void test_refused(void)
          "result = \"narrow\": ok or ok_... expected"},
         {hopper, "phases = (", "require = ( (`D > 2 or mu == 0`, `too narrow`) ); phases = (",
          "too narrow (D > 2 or mu == 0; D = 1.6; mu = 0.2)"},
+        {hopper, "phases = (", "require = ( (`not (sqrt(0-D) < 1)`, `x`) ); phases = (",
+         "require \"not (sqrt(0-D) < 1)\": is nan"},
         {hopper, "phases = (", "require = ( (`D`, `x`) ); phases = (", "require \"D\": a condition expected"},
         {hopper, "phases = (", "require = ( (`grains > 2`, `x`) ); phases = (", "unknown name grains"},
         {hopper, "phases = (", "require = ( `D > 2` ); phases = (",
@@ -309,6 +315,9 @@ static void test_refused(void)
          "open = \"gat\": no wall has this name (did you mean \"gate\"?)"},
         {hopper, "open = `gate`", "opens = `gate`", "opens: unknown key (did you mean \"open\"?)"},
         {hopper, "clogged =", "ok_clogged =", "fail: ok_clogged: a word"},
+        {hopper, "clogged =", "crashed =", "crashed: a word of the sweeps' own"},
+        {hopper, "unit = `1/s`", "unit = `1/\\ts`", "unit: a text on one line, without tabs, in UTF-8"},
+        {hopper, "unit = `1/s`", "meaning = `caf\xe9`", "meaning: a text on one line"},
         {hopper, "name = `flow`", "name = `fill`", "name = \"fill\": names two phases"},
         {hopper, "bulk = {", "gate = {", "gate names a wall and a region"},
         {hopper, "bulk = {", "D = {", "D names a let and a region"},
@@ -813,10 +822,13 @@ static void test_refused_more(void)
         {lift, "of = `y`; at = `lie`", "of = `y`; during = `lie`; take = `avalanches`",
          "avalanches are found by drop, or by event"},
         {lift, "v = 2.0", "v = 900.0", "phase up: wall plate needs dt <= "},
+        {lift, "every = 10;", "gravity = (0.0, `-1e9*t`); every = 10;", "phase up: dt = 0.0001: too large"},
         {lift, "`v`", "`2000*cos(t)`", "phase up: wall plate needs dt <= "}};
     check_refused(sizeof cases / sizeof *cases, cases);
-    static const trial_change fast = {lift, "`v`", "`v*(1e5 + y)`", "too_fast"}; /* known to the run alone */
-    check_ends(1, &fast);
+    static const trial_change fast[] = {
+        {lift, "`v`", "`v*(1e5 + y)`", "too_fast"}, /* known to the run alone */
+        {lift, "`v`", "`sqrt(-y) > 1 ? 1 : v`", "nan"}};
+    check_ends(2, fast);
 }
 
 /* Much of what phases can do, for a while. */

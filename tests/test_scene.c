@@ -115,6 +115,8 @@ static void refused(void)
         const char *message;
     } cases[] = {
         {"particles_step = 3;", "particles_step: needs particles_file"},
+        {"require = ( (\"1 > 2\", \"never\") );", ":2: never (1 > 2)"},
+        {"measure = ( );", ":2: measure: needs phases"},
         {"contacts_file = \"c.tsv\";", "contacts_file: needs particles_file"},
         {"colour = 1;", ":2: colour: unknown key"},
         {"partcles = 1;", ":2: partcles: unknown key (did you mean \"particles\"?)"},

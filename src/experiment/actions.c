@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/elementary.h"
 #include "dem/scene/radii.h"
 #include "experiment/private.h"
 
@@ -53,6 +54,7 @@ void exp_change_laws(exp_run *run, const exp_phase *p)
     dem_definition def = p->def;
     def.ledger = run->plan->scene.def.ledger;
     run->at.now.laws = (size_t)(p - run->plan->phases);
+    run->at.most_seen[0] = run->at.most_seen[1] = 0.0;
     renew(run, p, dem_change(&run->sim, &def), "too_fast");
 }
 
@@ -150,15 +152,17 @@ static bool draw_grain(exp_run *run, const exp_phase *p, dem_grain *g)
     for (int k = 0; k < TRIES; k++) {
         g->x = between(run, x);
         run->grain.touch = a->in_range ? NAN : touch_height(run, g->x, g->r, gap);
-        const double y[2] = {exp_value(run, &a->y[0]), a->in_range ? exp_value(run, &a->y[1]) : NAN};
+        const double y[2] = {exp_number(run, "add.y", &a->y[0]),
+                             a->in_range ? exp_number(run, "add.y", &a->y[1]) : NAN};
         g->y = a->in_range ? between(run, y) : y[0];
         if (!a->in_range) break;
         if (!touches(run, g->x, g->y, g->r)) break;
         if (k == TRIES - 1) return false;
     }
     run->grain.y = g->y;
-    g->vx = exp_value(run, &a->vx), g->vy = exp_value(run, &a->vy), g->omega = exp_value(run, &a->omega);
-    return isfinite(g->x) && isfinite(g->y);
+    g->vx = exp_number(run, "add.vx", &a->vx), g->vy = exp_number(run, "add.vy", &a->vy);
+    g->omega = exp_number(run, "add.omega", &a->omega);
+    return !run->at.done && isfinite(g->x) && isfinite(g->y);
 }
 
 static void add_grain(exp_run *run, const exp_phase *p)
@@ -192,11 +196,39 @@ void exp_add_grains(exp_run *run, const exp_phase *p)
     for (long k = lround(n); k > 0 && !run->failed && !run->at.done; k--) add_grain(run, p);
 }
 
+/* ---- speeds ---- */
+
+void exp_check_speed(exp_run *run, const char *whose, const double v[2], bool gravity)
+{
+    const exp_plan *plan = run->plan;
+    const double size = rp_hypot(v[0], v[1]);
+    double *const most = &run->at.most_seen[gravity];
+    if (!(size > 1.5 * *most)) return;
+    *most = size;
+    const dem_state *s = exp_states(run);
+    dem_definition def = run->at.now.laws == SIZE_MAX ? plan->scene.def : plan->phases[run->at.now.laws].def;
+    const char *what;
+    RP_SCOPE(arena);
+    dem_grain *grains = rp_arena_memory(&arena, run->n_states + 1, sizeof *grains);
+    if (!s || !grains || run->n_states == 0) return;
+    for (size_t i = 0; i < run->n_states; i++)
+        grains[i] = (dem_grain){.x = s[i].x, .y = s[i].y, .r = s[i].r, .m = s[i].m, .fixed = s[i].fixed};
+    if (!gravity) grains->vx = size;
+    def.grains = grains, def.n_grains = run->n_states, def.gravity[0] = def.gravity[1] = 0.0;
+    if (gravity) memcpy(def.gravity, v, sizeof def.gravity);
+    const double limit = dem_time_step_limit(&def, &what);
+    if (def.dt <= limit) return;
+    (void)dem_refuse_step(&def, limit, what);
+    exp_conclude(run, "too_fast", "phase %s, step %ld: %s: %s", plan->phases[run->at.phase].name,
+                 run->at.phase_step, whose, rp_message());
+}
+
 /* ---- walls ---- */
 
 /* All walls of a name move as one. */
 static void give_velocity(exp_run *run, const exp_wall *wall, const double velocity[2], double omega)
 {
+    if (run->ahead && velocity) exp_check_speed(run, wall->name, velocity, false);
     for (size_t k = 0; k < wall->n && !run->at.done; k++)
         if (dem_wall_move(run->sim, wall->walls[k], velocity, omega))
             exp_conclude(run, "too_fast", "phase %s: %s: %s", run->plan->phases[run->at.phase].name,

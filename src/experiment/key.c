@@ -137,7 +137,8 @@ static double at_moment(void *host, int id, const double args[])
     return use && strcmp(use->of->name, "phase_step") == 0 ? m->t / m->dt : NAN;
 }
 
-/* The largest value of an expression of t over a phase, at a thousand points; *v stays if it has none. */
+/* The value of an expression of t over a phase that is farthest from 0, at a thousand points; *v stays if it
+ * has none. */
 static void largest(const exp_plan *plan, const exp_phase *p, const exp_expression *e, rp_arena *arena,
                     double *v)
 {
@@ -146,7 +147,7 @@ static void largest(const exp_plan *plan, const exp_phase *p, const exp_expressi
                  last = p->ending == EXP_TIME    ? end
                         : p->ending == EXP_STEPS ? end * dt
                                                  : (double)p->most * dt;
-    double *states = rp_arena_memory(arena, e->x.n_states, sizeof *states), most = -INFINITY;
+    double *states = rp_arena_memory(arena, e->x.n_states, sizeof *states), most = NAN;
     if (!exp_given(e)) return;
     if (e->x.known) {
         *v = e->x.value;
@@ -154,7 +155,8 @@ static void largest(const exp_plan *plan, const exp_phase *p, const exp_expressi
     }
     for (int k = 0; k < POINTS && states && isfinite(last); k++) {
         moment m = {plan, last * (k + 0.5) / POINTS, dt};
-        most = fmax(most, fabs(rp_expression_value(&e->x, &(rp_x_values){&m, at_moment}, states)));
+        const double value = rp_expression_value(&e->x, &(rp_x_values){&m, at_moment}, states);
+        if (!(fabs(value) <= fabs(most))) most = value;
     }
     if (isfinite(most)) *v = most;
 }
@@ -171,24 +173,29 @@ static void let_move(const exp_plan *plan, const exp_phase *p, const exp_move *m
     }
 }
 
-/* The time step of each phase, with its laws and the walls' motions that are known, one after the other. */
+/* The time step of each phase, with its laws, its gravity and the walls' motions that are known, one after
+ * the other. */
 static rp_status check_phases(const exp_plan *plan, dem_definition *def)
 {
     RP_SCOPE(arena);
     dem_wall *walls;
     const char *what;
-    double r = INFINITY; /* the smallest */
+    double r = INFINITY, (*gravity)[2]; /* the smallest; of each phase */
     for (size_t i = 0; i < def->n_grains; i++) r = fmin(r, def->grains[i].r);
     RP_NEW(&arena, walls, def->n_walls);
     memcpy(walls, dem_walls_of(def), def->n_walls * sizeof *walls);
     def->wall_list = walls;
+    RP_NEW(&arena, gravity, plan->n_phases);
     for (size_t p = 0; p < plan->n_phases; p++) {
         const exp_phase *phase = &plan->phases[p];
         if (phase->left_out || phase->n_inner) continue;
-        if (phase->has_laws) {
-            dem_physics_apply(&phase->laws.physics, def);
-            for (size_t w = 0; w < def->n_walls; w++)
-                walls[w].material = dem_walls_of(&phase->def)[w].material;
+        if (phase->source != SIZE_MAX) memcpy(def->gravity, gravity[phase->source], sizeof def->gravity);
+        for (int c = 0; c < 2; c++) largest(plan, phase, &phase->gravity[c], &arena, &def->gravity[c]);
+        memcpy(gravity[p], def->gravity, sizeof def->gravity);
+        if (phase->has_laws) dem_physics_apply(&phase->laws.physics, def);
+        for (size_t w = 0; w < def->n_walls && phase->has_laws; w++)
+            walls[w].material = dem_walls_of(&phase->def)[w].material;
+        if (phase->has_laws || exp_given(&phase->gravity[0])) {
             const double limit = dem_time_step_limit(def, &what);
             if (def->dt > limit)
                 return dem_refuse_step(def, limit, what),

@@ -56,7 +56,7 @@ static void add_sample(exp_run *run, size_t k)
     if (status || (m->module && m->module->add)) return;
     const double value = m->module ? out[m->pick] : exp_value(run, &m->of);
     const double beside = m->take == TAKE_LINE ? exp_value(run, &m->against)
-                          : m->event.x.text    ? exp_true(run, &m->event)
+                          : m->event.x.text    ? exp_number(run, "event", &m->event)
                                                : 0.0;
     const exp_sampled *last = s->n > 0 ? &s->at[s->n - 1] : NULL;
     if (run->failed) return;

@@ -168,15 +168,41 @@ static void clear(exp_run *run, const size_t states[2])
     for (size_t k = states[0]; k < states[1]; k++) run->counters[k] = 0.0;
 }
 
+/* A condition that counts looks, without another one. */
+static double show(void *host, int id, const double args[])
+{
+    const exp_run *run = host;
+    const exp_use *use = id < EXP_ID_MEASURE ? &run->plan->uses[id] : NULL;
+    return use && use->of->type == RP_X_TRUTH ? run->counters[use->state] : exp_observe(host, id, args);
+}
+
+double exp_number(exp_run *run, const char *key, const exp_expression *e)
+{
+    const double value = exp_value(run, e);
+    if (!isnan(value) || run->failed || run->at.done) return value;
+    RP_SCOPE(arena);
+    const char *names = rp_expression_operands(&arena, &e->x, &(rp_x_values){run, show});
+    exp_conclude(run, "nan", "phase %s, step %ld: %s \"%s\" is nan; %s", phase_of(run)->name,
+                 run->at.phase_step, key, e->x.text, names ? names : "");
+    return value;
+}
+
 /* Gravity and the motion of walls, at the phase's start; before each step those that change. */
 static void set_forces(exp_run *run, const exp_phase *p, bool each_step)
 {
-    if (exp_given(&p->gravity[0]) && p->gravity_each_step == each_step)
-        dem_gravity_set(run->sim, (double[]){exp_value(run, &p->gravity[0]), exp_value(run, &p->gravity[1])});
-    for (const exp_move *m = p->moves; m < p->moves + p->n_moves; m++) {
+    if (exp_given(&p->gravity[0]) && p->gravity_each_step == each_step) {
+        const double gravity[2] = {exp_number(run, "gravity", &p->gravity[0]),
+                                   exp_number(run, "gravity", &p->gravity[1])};
+        if (run->ahead && !run->at.done) exp_check_speed(run, "gravity", gravity, true);
+        if (run->at.done) return;
+        dem_gravity_set(run->sim, gravity);
+    }
+    for (const exp_move *m = p->moves; m < p->moves + p->n_moves && !run->at.done; m++) {
         if (m->each_step != each_step) continue;
-        const double velocity[2] = {exp_value(run, &m->velocity[0]), exp_value(run, &m->velocity[1])},
-                     omega = exp_given(&m->omega) ? exp_value(run, &m->omega) : NAN;
+        const double velocity[2] = {exp_number(run, "velocity", &m->velocity[0]),
+                                    exp_number(run, "velocity", &m->velocity[1])},
+                     omega = exp_given(&m->omega) ? exp_number(run, "omega", &m->omega) : NAN;
+        if (run->at.done) return;
         exp_move_wall(run, &run->plan->walls[m->wall], exp_given(&m->velocity[0]) ? velocity : NULL, omega);
     }
 }
@@ -235,7 +261,8 @@ static void begin_phase(exp_run *run)
     set_forces(run, p, false);
     for (int k = 0; k < 2; k++)
         if (exp_given(&p->turn[k])) {
-            run->at.now.turn[k] = exp_value(run, &p->turn[k]);
+            run->at.now.turn[k] =
+                exp_number(run, k ? "box_turn_deg_per_step" : "gravity_turn_deg_per_step", &p->turn[k]);
             (k ? dem_box_turn : dem_gravity_turn)(run->sim, run->at.now.turn[k] * (M_PI / 180.0));
         }
     for (size_t k = 0; p->opens >= 0 && k < run->plan->walls[p->opens].n; k++) {
@@ -281,7 +308,8 @@ static void go_to_next(exp_run *run)
     size_t next = present(plan, run->at.phase + 1, end);
     if (next == end && p->block != SIZE_MAX) { /* of a pass */
         const exp_phase *block = &plan->phases[p->block];
-        const bool met = block->end.x.text && exp_true(run, &block->end);
+        const bool met = block->end.x.text && exp_number(run, "until", &block->end) == 1.0;
+        if (run->at.done || run->failed) return;
         if (!met && run->at.pass < block->repeat) {
             run->at.pass++;
             run->at.phase = present(plan, p->block + 1, end);
@@ -335,16 +363,16 @@ static void look(exp_run *run, bool is_end)
     if (p->is_sampled) exp_sample(run);
     const bool looks = since > 0 && (p->every == 1 || since % p->every == 0); /* a division takes long */
     for (size_t k = 0; k < p->n_fails && (looks || is_end) && !run->failed && !run->at.done; k++)
-        if (exp_true(run, &p->fails[k].when))
+        if (exp_number(run, p->fails[k].word, &p->fails[k].when) == 1.0)
             exp_conclude(run, p->fails[k].word, "phase %s, step %ld: %s", p->name, run->at.phase_step,
                          p->fails[k].when.x.text);
     if (run->failed || run->at.done) return;
-    if (p->ending == EXP_UNTIL && looks && exp_true(run, &p->end)) {
+    if (p->ending == EXP_UNTIL && looks && exp_number(run, "until", &p->end) == 1.0) {
         end_phase(run);
         return;
     }
     if (p->damp && looks) damp(run);
-    if (!is_end || run->failed) return;
+    if (!is_end || run->failed || run->at.done) return;
     if (p->ending == EXP_UNTIL && !p->go_on) {
         char now[160];
         exp_conclude(run, p->status, "phase %s, after %ld steps: %s", p->name, run->at.phase_step,
@@ -415,14 +443,6 @@ bool exp_goes_back(const exp_plan *plan)
     for (size_t k = 0; k < plan->n_phases; k++)
         if (!plan->phases[k].left_out && plan->phases[k].source != SIZE_MAX) return true;
     return false;
-}
-
-/* A condition that counts looks, without another one. */
-static double show(void *host, int id, const double args[])
-{
-    const exp_run *run = host;
-    const exp_use *use = id < EXP_ID_MEASURE ? &run->plan->uses[id] : NULL;
-    return use && use->of->type == RP_X_TRUTH ? run->counters[use->state] : exp_observe(host, id, args);
 }
 
 const char *exp_where(const exp_run *run, char *text, size_t size)

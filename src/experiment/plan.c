@@ -1,5 +1,4 @@
 /* A text becomes a plan: names first, then phases, then measures; everything is checked here. */
-#include <ctype.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -110,47 +109,6 @@ static rp_status read_result(exp_plan *plan)
     return plan->result ? RP_OK : RP_NO_MEMORY;
 }
 
-/* The numbers that a condition names. Returns `text`. */
-static const char *values_in(const exp_plan *plan, const char *condition, char text[256])
-{
-    const rp_lets *lets = &plan->text->lets;
-    char number[32];
-    size_t used = 0;
-    *text = '\0';
-    for (const char *c = condition; *c; c += isalpha((unsigned char)*c) ? strspn(c, RP_NAME_LETTERS) : 1)
-        for (size_t k = 0; k < lets->n && isalpha((unsigned char)*c) && used < 200; k++)
-            if (lets->lets[k].is.type == RP_X_NUMBER &&
-                strlen(lets->lets[k].name) == strspn(c, RP_NAME_LETTERS) &&
-                strncmp(c, lets->lets[k].name, strlen(lets->lets[k].name)) == 0)
-                used += (size_t)snprintf(text + used, 256 - used, "; %s = %s", lets->lets[k].name,
-                                         rp_number_text(lets->lets[k].is.value, 6, number, sizeof number));
-    return text;
-}
-
-/* require = ( ("condition", "message"), ... ): of the lets, before anything runs. */
-static rp_status check_required(const exp_plan *plan)
-{
-    const config_setting_t *list = config_lookup(&plan->text->config, "require");
-    if (list && !config_setting_is_list(list))
-        return rp_config_fail(list, "require: a list ( (\"condition\", \"message\"), ... ) expected");
-    for (size_t k = 0; k < length(list); k++) {
-        const config_setting_t *pair = element(list, k);
-        const char *condition = config_setting_get_string_elem(pair, 0),
-                   *message = config_setting_get_string_elem(pair, 1);
-        rp_x_symbol is = {0};
-        char values[256];
-        if (!condition || !message || length(pair) != 2 || config_setting_is_group(pair))
-            return rp_config_fail(pair, "require: (\"condition\", \"message\") expected");
-        if (rp_lets_value(pair, condition, &is))
-            return rp_config_fail(pair, "require \"%s\": %s", condition, rp_message());
-        if (is.type != RP_X_TRUTH)
-            return rp_config_fail(pair, "require \"%s\": a condition expected", condition);
-        if (is.value == 0.0)
-            return rp_config_fail(pair, "%s (%s%s)", message, condition, values_in(plan, condition, values));
-    }
-    return RP_OK;
-}
-
 static rp_status read(exp_plan *plan)
 {
     dem_text *text = plan->text;
@@ -164,7 +122,6 @@ static rp_status read(exp_plan *plan)
         return rp_config_fail(config_lookup(&text->config, "steps"),
                               "steps: a text with phases ends with their last");
     RP_TRY(read_result(plan));
-    RP_TRY(check_required(plan));
     for (const rp_let *let = text->lets.lets; let < text->lets.lets + text->lets.n; let++)
         if (exp_observable_named(let->name, ~(unsigned)OF_NEW)) /* whose name stands alone too */
             return rp_config_fail(config_lookup(&text->config, "let"), "let.%s: is an observable", let->name);

@@ -233,6 +233,7 @@ struct exp_run {
         double mass0;          /* of all grains at the start */
         size_t grains0;        /* grains at the start */
         double damped;         /* kinetic energy at the last look of a phase that damps */
+        double most_seen[2];   /* speed of a wall, and gravity, that the time step was asked about */
         exp_world now;
         bool started, done;
         exp_end end;
@@ -264,7 +265,9 @@ void exp_conclude(exp_run *run, const char *status, const char *format, ...)
 
 const dem_physics *exp_laws(const exp_run *run); /* that hold */
 double exp_value(exp_run *run, const exp_expression *e);
-bool exp_true(exp_run *run, const exp_expression *e);
+bool exp_true(exp_run *run, const exp_expression *e); /* of a NAN false: a sample that is none */
+/* Of a key of the present phase; a truth is 0 or 1. NAN ends the run. */
+double exp_number(exp_run *run, const char *key, const exp_expression *e);
 
 /* Does an expression ask for this observable; NULL: for any, and not for measures alone? */
 bool exp_asks(const exp_plan *plan, const exp_expression *e, const char *observable);
@@ -301,6 +304,9 @@ double exp_density(const exp_plan *plan, const exp_add *a, double given); /* giv
 /* Loads of walls: begin or end with a phase; then give their walls their speed for a step. */
 void exp_load_walls(exp_run *run, const exp_phase *p);
 bool exp_is_loaded(const exp_run *run);
+/* May a wall move so fast, or gravity be so strong, with this time step; where it is not the run ends. A
+ * value not half larger than all before is not asked about. */
+void exp_check_speed(exp_run *run, const char *whose, const double v[2], bool gravity);
 void exp_push_walls(exp_run *run);
 /* Along a direction in which one is free, its load sees to its motion. velocity may be NULL, omega NAN: as
  * before. */

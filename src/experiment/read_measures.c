@@ -190,7 +190,9 @@ static const char *unit_of(exp_plan *plan, const exp_measure *m, const char *of)
 static rp_status name_outputs(exp_plan *plan, exp_measure *m)
 {
     const bool all = m->module && m->pick < 0; /* numbers of the module */
-    const char *of = config_setting_get_string(member(m->setting, "of")), *unit = unit_of(plan, m, of);
+    const char *given = config_setting_get_string(member(m->setting, "of")), *unit = unit_of(plan, m, given);
+    char *of = given ? rp_text(&plan->arena, "%s", given) : NULL;
+    for (char *c = of; c && (c = strpbrk(c, "\n\r\t"));) *c = ' '; /* a meaning is one line */
     m->output = plan->n_outputs;
     for (const exp_output *o = all ? m->module->outputs : takes[m->take]; o->name; o++)
         RP_TRY(add_output(plan, m, o->name, all ? rp_unit(o->unit) : unit,

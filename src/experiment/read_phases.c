@@ -6,6 +6,7 @@
 
 #include "experiment/reading.h"
 #include "params/config.h"
+#include "table/columns.h"
 
 #define IN(field) offsetof(exp_phase, field)
 const rp_param exp_phase_schema[] = {
@@ -28,6 +29,17 @@ const rp_param exp_phase_schema[] = {
     {"repeat", "", RP_INT, IN(repeat), "auto", "[1, 1000000000] | auto", "passes of a block"},
     {0}};
 
+/* Is it a word that a sweep gives to runs that it makes again? */
+static rp_status check_status(const config_setting_t *setting, const char *word)
+{
+    char quoted[32];
+    snprintf(quoted, sizeof quoted, "'%s'", word);
+    return strstr(RP_MACHINE_STATUS, quoted)
+               ? rp_config_fail(setting, "%s: a word of the sweeps' own, %s; give another", word,
+                                RP_MACHINE_STATUS)
+               : RP_OK;
+}
+
 static rp_status read_fails(const config_setting_t *group, exp_place *place, exp_phase *p)
 {
     if (!config_setting_is_group(group))
@@ -40,6 +52,7 @@ static rp_status read_fails(const config_setting_t *group, exp_place *place, exp
             return rp_config_fail(element(group, i),
                                   "fail: %s: a word of up to 23 letters expected, not one of a good run",
                                   f->word);
+        RP_TRY(check_status(element(group, i), f->word));
         RP_TRY(exp_expression_read(element(group, i), f->word, RP_X_TRUTH, place, &f->when));
         if (config_setting_type(element(group, i)) == CONFIG_TYPE_BOOL)
             return rp_config_fail(element(group, i), "%s = %s never changes", f->word, f->when.x.text);
@@ -236,6 +249,7 @@ static rp_status name_phase(exp_plan *plan, const config_setting_t *setting, siz
     if (*p->status && !exp_is_word(p->status))
         return rp_config_fail(member(setting, "status"),
                               "status = \"%s\": up to 23 letters, digits and _ expected", p->status);
+    if (*p->status) RP_TRY(check_status(member(setting, "status"), p->status));
     RP_TRY(exp_read_if(plan, setting, &p->left_out));
     if (kind && config_setting_get_string(kind))
         RP_TRY(name_kind(plan, kind, config_setting_get_string(kind)));

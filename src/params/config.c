@@ -150,6 +150,19 @@ static rp_status set_computed(const config_setting_t *setting, const rp_param *p
     return rp_params_set(param, values, &value);
 }
 
+/* May a text stand in a cell or a header: on one line, without tabs, in UTF-8? */
+static bool is_plain(const char *text)
+{
+    for (const unsigned char *c = (const unsigned char *)text; *c;) {
+        const size_t more = *c < 0x80 ? 0 : *c >= 0xc2 && *c < 0xe0 ? 1 : *c < 0xf0 ? 2 : 3;
+        if (*c < 0x20 || *c == 0x7f || (*c >= 0x80 && *c < 0xc2) || *c > 0xf4) return false;
+        c++;
+        for (size_t k = 0; k < more; k++, c++)
+            if ((*c & 0xc0) != 0x80) return false;
+    }
+    return true;
+}
+
 rp_status rp_config_value(const config_setting_t *setting, const rp_param *param, void *values)
 {
     rp_value value;
@@ -163,6 +176,9 @@ rp_status rp_config_value(const config_setting_t *setting, const rp_param *param
         return rp_config_fail(setting, "%s%s: one value expected, not a %s",
                               path_within(config_setting_parent(setting), path), param->name,
                               config_setting_is_group(setting) ? "group" : "list");
+    if (param->type == RP_TEXT && value.kind == RP_V_TEXT && !is_plain(value.s))
+        return rp_config_fail(setting, "%s%s: a text on one line, without tabs, in UTF-8 expected",
+                              path_within(setting, path), param->name);
     rp_status status = rp_params_set(param, values, &value);
     if (status && value.kind == RP_V_TEXT) {
         status = set_computed(setting, param, values, value.s);

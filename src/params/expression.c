@@ -13,17 +13,18 @@ enum { MOST_STEPS = 200, MOST_WORD = 64, MOST_POWER = 64, MOST_NESTED = 50, MOST
 
 /* Steps, a row each: name, how it stands in texts and keys, operands on the stack, value of the step s with
  * the operands a, b, c. Of an operator between two parts also its priority, the lowest first, and what it
- * takes; of a function its least and most arguments, and whether it is for measures alone. */
+ * takes; of a function its least and most arguments, and whether it is for measures alone. A truth is 0, 1,
+ * or NAN where a comparison had one and the rest does not decide. */
 /* clang-format off */
 #define X_OPERATORS(X) \
-    X(OR, "or", 2, a != 0.0 || b != 0.0, 1, RP_X_TRUTH) \
-    X(AND, "and", 2, a != 0.0 && b != 0.0, 2, RP_X_TRUTH) \
-    X(LESS, "<", 2, a < b, 3, RP_X_NUMBER) \
-    X(LEAST, "<=", 2, a <= b, 3, RP_X_NUMBER) \
-    X(MORE, ">", 2, a > b, 3, RP_X_NUMBER) \
-    X(MOST, ">=", 2, a >= b, 3, RP_X_NUMBER) \
-    X(IS, "==", 2, a == b, 3, RP_X_NUMBER) \
-    X(IS_NOT, "!=", 2, a != b, 3, RP_X_NUMBER) \
+    X(OR, "or", 2, a > 0.0 || b > 0.0 ? 1.0 : a + b, 1, RP_X_TRUTH) \
+    X(AND, "and", 2, a == 0.0 || b == 0.0 ? 0.0 : a * b, 2, RP_X_TRUTH) \
+    X(LESS, "<", 2, isunordered(a, b) ? NAN : a < b, 3, RP_X_NUMBER) \
+    X(LEAST, "<=", 2, isunordered(a, b) ? NAN : a <= b, 3, RP_X_NUMBER) \
+    X(MORE, ">", 2, isunordered(a, b) ? NAN : a > b, 3, RP_X_NUMBER) \
+    X(MOST, ">=", 2, isunordered(a, b) ? NAN : a >= b, 3, RP_X_NUMBER) \
+    X(IS, "==", 2, isunordered(a, b) ? NAN : a == b, 3, RP_X_NUMBER) \
+    X(IS_NOT, "!=", 2, isunordered(a, b) ? NAN : a != b, 3, RP_X_NUMBER) \
     X(ADD, "+", 2, a + b, 4, RP_X_NUMBER) \
     X(TAKE, "-", 2, a - b, 4, RP_X_NUMBER) \
     X(TIMES, "*", 2, a * b, 5, RP_X_NUMBER) \
@@ -41,16 +42,16 @@ enum { MOST_STEPS = 200, MOST_WORD = 64, MOST_POWER = 64, MOST_NESTED = 50, MOST
     X(ATAN, "atan", 1, rp_atan(a), 1, 1, true) \
     X(EXP, "exp", 1, rp_exp(a), 1, 1, true) \
     X(LOG, "log", 1, rp_log(a), 1, 1, true) \
-    X(HELD, "held", 1, held(a != 0.0, &states[s->n]) >= s->number, 2, 2, false) \
+    X(HELD, "held", 1, isnan(a) ? a : held(a != 0.0, &states[s->n]) >= s->number, 2, 2, false) \
     X(KNOWN, "known", 0, NAN, 1, 1, false) \
     X(CHANGE, "change", 1, change(a, &states[s->n]), 1, 1, true)
 #define X_OTHERS(X) \
     X(NUMBER, "", 0, s->number, 0) \
     X(NAME, "", 0, NAN, 0) \
     X(NEGATIVE, "neg", 1, -a, 0) \
-    X(NOT, "not", 1, a == 0.0, 0) \
+    X(NOT, "not", 1, isnan(a) ? a : a == 0.0, 0) \
     X(POWER, "^", 1, power(a, s->number), 0) \
-    X(CHOICE, "?", 3, a != 0.0 ? b : c, 0)
+    X(CHOICE, "?", 3, isnan(a) ? a : a != 0.0 ? b : c, 0)
 /* clang-format on */
 #define X_WORD(id, word, ...) word " "
 const char rp_expression_functions[] = "pi deg inf dt d m g; " X_FUNCTIONS(
@@ -146,7 +147,7 @@ double rp_expression_value(const rp_expression *e, const rp_x_values *values, do
                              takes > 2 ? stack[n + 2] : 0.0, states);
             n++;
         }
-        while (e->steps[i].skip && (stack[n - 1] != 0.0) == (e->steps[i + e->steps[i].skip].kind == X_OR))
+        while (e->steps[i].skip && stack[n - 1] == (e->steps[i + e->steps[i].skip].kind == X_OR ? 1.0 : 0.0))
             i += e->steps[i].skip;
     }
     return e->known ? e->value : stack[0];
@@ -480,11 +481,15 @@ static rp_status read_choice(x_reader *r, x_part *part)
         RP_TRY(expect(r, ":"));
         RP_TRY(read_choice(r, &no));
         RP_TRY(want(r, &no, yes.type));
-        if (yes.type == RP_X_WORD && !known)
+        const bool neither = known && isnan(r->steps[part->start].number);
+        if (yes.type == RP_X_WORD && (!known || neither))
             return fail_at(r, part->begins, "what chooses a word must be known before the run");
         part->type = yes.type;
         memcpy(part->word, first ? yes.word : no.word, sizeof part->word);
-        if (known) { /* only what is chosen stays */
+        if (neither) {
+            r->n = part->start;
+            return r->nested--, add_number(r, part, yes.type, NAN);
+        } else if (known) { /* only what is chosen stays */
             const size_t from = first ? yes.start : no.start, n = (first ? no.start : r->n) - from;
             memmove(&r->steps[part->start], &r->steps[from], n * sizeof *r->steps);
             r->n = part->start + n;

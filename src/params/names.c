@@ -58,7 +58,7 @@ rp_status rp_lets_value(const config_setting_t *setting, const char *text, rp_x_
     *value = (rp_x_symbol){.type = e.type, .known = true, .value = e.value};
     if (e.type == RP_X_WORD) value->word = rp_text(&((rp_lets *)lets)->arena, "%s", e.word);
     if (e.type == RP_X_WORD && !value->word) return RP_NO_MEMORY;
-    if (e.type == RP_X_NUMBER && isnan(e.value)) return rp_fail(RP_BAD_INPUT, "is nan");
+    if (isnan(e.value)) return rp_fail(RP_BAD_INPUT, "is nan");
     return RP_OK;
 }
 

@@ -39,6 +39,9 @@ rp_status rp_columns_read_file(rp_arena *arena, const char *path, const char *na
 /* Is this status that of a full result, ok or ok_...? */
 bool rp_is_result(const char *status);
 
+/* Status words, in SQL, that the machine decides and not the physics: a sweep makes such a run again. */
+#define RP_MACHINE_STATUS "('crashed', 'no_memory', 'time_limit')"
+
 /* How often words occur, such as statuses; as a text "no_pile:2,overlap:1", "-" for none. A text is added
  * with a weight, and may also be "no_pile 2, overlap 1" before a parenthesis; a word alone has NaN. */
 typedef struct {

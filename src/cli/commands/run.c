@@ -314,13 +314,13 @@ static rp_status advance(scene_run *r)
         const bool stage = r->exp && exp_stages(r->exp) > stages && p->stages;
         show_progress(r);
         RP_TRY(status);
-        if (step == before) continue; /* a phase began or ended */
+        if (step == before && (!stop_signal || is_done(r))) continue; /* a phase began or ended */
         growth_sample(&r->energy, r->sim);
         if (!r->exp) RP_TRY(cli_rest_look(r->unfinished.arena, r->sim, &r->rest));
         if (!told) cli_tell_threads(r->sim, "run", r->o->j);
         told = true;
         if (is_done(r)) continue;
-        RP_TRY(write_frame(r, stage, false));
+        if (step != before) RP_TRY(write_frame(r, stage, false));
         if (p->snapshot > 0 && (stop_signal || step % p->snapshot == 0))
             RP_TRY(cli_unfinished_write(&r->unfinished, keep_run, r));
         if (stop_signal) return stop(r);

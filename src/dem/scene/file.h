@@ -63,4 +63,7 @@ rp_status dem_peek_radii(rp_arena *arena, const config_setting_t *group, dem_fil
 rp_status dem_know(void *host, rp_let_constant which, double *value);
 rp_status dem_call(void *host, const char *name, int n, const double args[], double *value, bool *known);
 
+/* Does what the text requires of its lets hold? Errors: RP_BAD_INPUT. */
+rp_status dem_check_required(const dem_text *text);
+
 #endif

@@ -1,5 +1,6 @@
 /* What d, m, g, dt and dt_limit are in a scene file's expressions: keys that tell them are read before their
  * groups, which may be written with them. */
+#include <ctype.h>
 #include <math.h>
 #include <string.h>
 
@@ -106,5 +107,46 @@ rp_status dem_call(void *host, const char *name, int n, const double args[], dou
     def->gravity[0] = def->gravity[1] = 0.0;
     *known = true;
     *value = dem_time_step_limit(def, NULL);
+    return RP_OK;
+}
+
+/* The numbers that a condition names. Returns `text`. */
+static const char *values_in(const dem_text *of, const char *condition, char text[256])
+{
+    const rp_lets *lets = &of->lets;
+    char number[32];
+    size_t used = 0;
+    *text = '\0';
+    for (const char *c = condition; *c; c += isalpha((unsigned char)*c) ? strspn(c, RP_NAME_LETTERS) : 1)
+        for (size_t k = 0; k < lets->n && isalpha((unsigned char)*c) && used < 200; k++)
+            if (lets->lets[k].is.type == RP_X_NUMBER &&
+                strlen(lets->lets[k].name) == strspn(c, RP_NAME_LETTERS) &&
+                strncmp(c, lets->lets[k].name, strlen(lets->lets[k].name)) == 0)
+                used += (size_t)snprintf(text + used, 256 - used, "; %s = %s", lets->lets[k].name,
+                                         rp_number_text(lets->lets[k].is.value, 6, number, sizeof number));
+    return text;
+}
+
+/* require = ( ("condition", "message"), ... ): of the lets, before anything runs. */
+rp_status dem_check_required(const dem_text *text)
+{
+    const config_setting_t *list = config_lookup(&text->config, "require");
+    if (list && !config_setting_is_list(list))
+        return rp_config_fail(list, "require: a list ( (\"condition\", \"message\"), ... ) expected");
+    for (size_t k = 0; k < length(list); k++) {
+        const config_setting_t *pair = element(list, k);
+        const char *condition = config_setting_get_string_elem(pair, 0),
+                   *message = config_setting_get_string_elem(pair, 1);
+        rp_x_symbol is = {0};
+        char values[256];
+        if (!condition || !message || length(pair) != 2 || config_setting_is_group(pair))
+            return rp_config_fail(pair, "require: (\"condition\", \"message\") expected");
+        if (rp_lets_value(pair, condition, &is))
+            return rp_config_fail(pair, "require \"%s\": %s", condition, rp_message());
+        if (is.type != RP_X_TRUTH)
+            return rp_config_fail(pair, "require \"%s\": a condition expected", condition);
+        if (is.value == 0.0)
+            return rp_config_fail(pair, "%s (%s%s)", message, condition, values_in(text, condition, values));
+    }
     return RP_OK;
 }

@@ -40,6 +40,7 @@ rp_status dem_text_scene(dem_text *text, dem_scene *scene)
     static const char others[] =
         "let material gravity normal tangential rolling walls particles fill ground hard implicit phases "
         "measure regions rest result seed run output require";
+    static const char *const of_phases[] = {"measure", "regions", "rest", "result", NULL};
     config_setting_t *root = config_root_setting(&text->config);
     dem_definition *def = &scene->def;
     dem_fill streams;
@@ -67,13 +68,18 @@ rp_status dem_text_scene(dem_text *text, dem_scene *scene)
     rp_params_defaults(SCHEMA(OUTPUT), &scene->output);
     RP_TRY(read_group(root, OUTPUT, &scene->output, &there));
     scene->phases = member(root, "phases") != NULL;
+    for (const char *const *key = of_phases; !scene->phases && *key; key++)
+        if (member(root, *key))
+            return rp_config_fail(member(root, *key),
+                                  "%s: needs phases, as in phases = ( { name = \"run\"; steps = %ld; } );",
+                                  *key, scene->steps);
     RP_TRY(dem_read_grains(text->path, root, scene));
     /* seed and run of the text go before those of its first fill, and are for what phases add too */
     rp_params_defaults(SCHEMA(FILL), &streams);
     if (scene->fills) streams = *scene->fills;
     RP_TRY(rp_config_peek(root, SCHEMA(FILL), "seed run", &streams));
     scene->seed = streams.seed, scene->run = streams.run;
-    return RP_OK;
+    return dem_check_required(text);
 }
 
 rp_status dem_scene_read(const char *path, const rp_texts *changes, dem_scene *scene)
