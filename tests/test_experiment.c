@@ -110,9 +110,14 @@ static void test_phases(void)
         "  { name = `back`; gravity = (0.0, -981.0); steps = 3; } );\n"
         "measure = ( { name = `tilt`; of = `tilt_deg`; at = `wait`; take = `max`; },\n"
         "  { name = `passes`; of = `pass`; at = `wait`; take = `max`; series = true; },\n"
+        "  { name = `speed`; of = `tilt_deg`; during = `turn`; every = 10; take = `rate`; skip = 0.5; },\n"
+        "  { name = `later`; of = `phase_step`; during = `turn`; every = 10; take = `first`; skip = 0.5; },\n"
+        "  { name = `none`; of = `t`; during = `turn`; take = `avalanches`; every = 10; drop = 0.005; "
+        "optional = true; },\n"
         "  { name = `nothing`; of = `tilt_deg`; at = `never`; }, { name = `steps`; of = `step`; } );\n";
     RUN_TRIAL(t, text, 37, "ok_turned");
-    CHECK_EACH(measured(&t, NAME), 1e-9, {"tilt", 5.0}, {"passes", 5.0}, {"steps", 5.0 * 200.0 + 3.0});
+    CHECK_EACH(measured(&t, NAME), 1e-9, {"tilt", 5.0}, {"passes", 5.0}, {"steps", 5.0 * 200.0 + 3.0},
+               {"speed", 100.0}, {"later", 60.0}, {"none_n", 0.0}); /* of each pass */
     CU_ASSERT(isnan(measured(&t, "nothing")) && exp_steps(t.run) == 1003);
     CU_ASSERT(!exp_series_name(t.plan, 1) && strcmp(exp_series_name(t.plan, 0), "series_passes.tsv") == 0);
 }
