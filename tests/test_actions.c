@@ -290,10 +290,10 @@ static void test_base_order(void)
 {
     static const char text[] =
         "dt = 1e-5;\n"
-        "walls = ( { name = `base`; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
-        "fill = ( { pattern = `row`; W = 8.0; x0 = 1.0; radius_width = 0.0; },\n"
+        "walls = ( { name = `base`; point = (0.0, -3.0); direction = (0.0, 1.0); } );\n"
+        "fill = ( { pattern = `row`; W = 8.0; x0 = 1.0; y0 = -3.0; radius_width = 0.0; },\n"
         "  { pattern = `lattice`; W = 0.81; H = 0.56; x0 = 20.0; y0 = 30.0; radius_width = 0.0; } );\n"
-        "regions = { up = { y = (20.0, 40.0); }; low = { y = (-1.0, 1.0); }; };\n"
+        "regions = { up = { y = (20.0, 40.0); }; low = { y = (-4.0, -2.0); }; };\n"
         "phases = ( { name = `start`; steps = 0; },\n"
         "  { name = `sink`; remove = `up`; damp = true; every = 10; until = `held(force < 1e-6*m*g, 2)`; } "
         ");\n"
@@ -306,7 +306,8 @@ static void test_base_order(void)
     CHECK_NEAR(measured(&t, "b_load"), measured(&t, "weight"), 1e-5 * measured(&t, "weight"));
     CHECK_NEAR(measured(&t, "b_width"), 39.0 * 0.2, 0.05); /* 40 grains, less 1 % at both ends */
     CHECK_NEAR(measured(&t, "b_shear"), 0.0, 1e-9);
-    CHECK_EACH(measured(&t, NAME), 0.02, {"b_n_10", 1.0}, {"b_dip", 0.0});
+    CHECK_EACH(measured(&t, NAME), 0.02, {"b_n_10", 1.0}, {"b_rays_10", 1.0}, {"b_dip", 0.0},
+               {"b_excess", 0.0});
 }
 
 /* Contacts at 0 and 30 degrees from the vertical, the second on the left: its mirror image leans back; a
