@@ -647,7 +647,8 @@ static void test_vibrated(void)
     }
 }
 
-/* A heap of columns: two slopes, one apex, a grain that has run out. */
+/* A heap of columns: two slopes, one apex, a grain that flies above `to` over the left flank, one that has
+ * run out. */
 static void test_modules(void)
 {
     char text[16384];
@@ -663,7 +664,8 @@ static void test_modules(void)
                               k > -9 ? "," : "", x + 0.1, top - 0.1);
     }
     snprintf(text + n, sizeof text - n,
-             ", { x = 4.7; y = 0.9; r = 0.1; }, { x = 9.0; y = 0.1; r = 0.1; }, { x = 9.19; y = 0.1; r = "
+             ", { x = -0.5; y = 1.8; r = 0.1; }, { x = 4.7; y = 0.9; r = 0.1; }, { x = 9.0; y = 0.1; r = "
+             "0.1; }, { x = 9.19; y = 0.1; r = "
              "0.1; } );\n"
              "phases = ( { name = `look`; steps = 0; } );\n"
              "measure = ( { name = `heap`; of = `flanks`; in = `all`; touching = false; },\n"
