@@ -815,13 +815,30 @@ static void test_refused_more(void)
         {lift, "phases =", "steps = 7; phases =", "steps: a text with phases ends with their last"},
         {lift, "phases =", "regions = { up = { y = (5.0, 0.0); }; }; phases =",
          "up: y = (5, 0): from the lower end to the upper"},
+        {lift, "phases =", "regions = { up = { circle = (0.0, 5.0, 0.0); }; }; phases =",
+         "up: the radius is not positive"},
+        {lift, "phases =",
+         "regions = { up = { polygon = ( (0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0) ); }; }; phases =",
+         "up: two sides of the polygon cross"},
+        {lift, "measure = ( {",
+         "regions = { up = { y = (0.0, 5.0); }; }; measure = ( { name = `s`; of = `up.sxx`; }, {",
+         "up.sxx: over the area of a region, whose x and y have two ends"},
+        {lift, "measure = ( {",
+         "regions = { up = { circle = (0.0, 5.0, 1.0); }; }; measure = ( { name = `s`; of = `profile`; in = "
+         "`up`; }, {",
+         "in = \"up\": of profile, a region of x and y expected"},
         {lift, "of = `y`; at = `lie`", "of = `y`; during = `lie`; take = `avalanches`",
          "avalanches are found by drop, or by event"},
         {lift, "v = 2.0", "v = 900.0", "phase up: wall plate needs dt <= "},
         {lift, "`v`", "`2000*cos(t)`", "phase up: wall plate needs dt <= "}};
     check_refused(sizeof cases / sizeof *cases, cases);
-    static const trial_change fast = {lift, "`v`", "`v*(1e5 + y)`", "too_fast"}; /* known to the run alone */
-    check_ends(1, &fast);
+    static const trial_change ends[] = {
+        /* known to the run alone */
+        {lift, "`v`", "`v*(1e5 + y)`", "too_fast"},
+        {lift, "measure = ( {",
+         "regions = { up = { x = (0.0, `1 - step`); }; }; measure = ( { name = `s`; of = `up.x`; }, {",
+         "no_region"}};
+    check_ends(sizeof ends / sizeof *ends, ends);
 }
 
 /* Much of what phases can do, for a while. */

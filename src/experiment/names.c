@@ -45,6 +45,10 @@ static rp_status use(exp_plan *plan, const exp_observable *o, exp_scope scope, c
                        o->most ? "%s: %d to %d numbers in brackets expected"
                                : "%s: takes nothing in brackets",
                        name, o->least, o->most);
+    const exp_region *r = o->of == OF_REGION ? &plan->regions[scope.index] : NULL;
+    for (int k = 0; r && k < 4 && !r->circle && !r->n_points; k++)
+        if (r->at[k].x.known && isinf(r->at[k].x.value))
+            return rp_fail(RP_BAD_INPUT, "%s: over the area of a region, whose x and y have two ends", name);
     if ((plan->n_uses & (plan->n_uses + 1)) == 0) { /* a power of two less one: the room is full */
         exp_use *more = rp_arena_memory(&plan->arena, 2 * plan->n_uses + 2, sizeof *more);
         if (!more) return RP_NO_MEMORY;

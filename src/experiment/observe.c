@@ -8,6 +8,30 @@
 
 /* ---- regions ---- */
 
+/* On which side of the line through p and q, 1 to its left. */
+static int side_of(const double p[2], const double q[2], const double r[2])
+{
+    const double turn = (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+    return (turn > 0.0) - (turn < 0.0);
+}
+
+const char *exp_region_fault(const exp_within *a)
+{
+    const size_t n = a->n_points;
+    for (size_t k = 0; k < (n ? 2 * n : a->circle ? 3 : 4); k++)
+        if (isnan(n ? a->points[k] : a->at[k])) return "a number is nan";
+    if (a->circle) return a->at[2] > 0.0 ? NULL : "the radius is not positive";
+    if (a->at[0] > a->at[1] || a->at[2] > a->at[3]) return "a lower end is above its upper one";
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = i + 2; k < n - (i == 0); k++) { /* sides without a common corner */
+            const double *p = &a->points[2 * i], *q = &a->points[2 * ((i + 1) % n)], *r = &a->points[2 * k],
+                         *s = &a->points[2 * ((k + 1) % n)];
+            if (side_of(p, q, r) * side_of(p, q, s) < 0 && side_of(r, s, p) * side_of(r, s, q) < 0)
+                return "two sides of the polygon cross";
+        }
+    return NULL;
+}
+
 exp_within exp_within_now(exp_run *run, const exp_scope *scope)
 {
     exp_within a = {.all = scope->sort != EXP_REGION};
@@ -16,15 +40,17 @@ exp_within exp_within_now(exp_run *run, const exp_scope *scope)
     const exp_region *r = &run->plan->regions[scope->index];
     a.circle = r->circle;
     for (int k = 0; k < (r->circle ? 3 : 4); k++) a.at[k] = exp_value(run, &r->at[k]);
-    if (r->n_points == 0) return a;
     double *points = run->points[scope->index];
     a.points = points, a.n_points = r->n_points;
-    a.at[0] = a.at[2] = INFINITY, a.at[1] = a.at[3] = -INFINITY;
+    if (r->n_points) a.at[0] = a.at[2] = INFINITY, a.at[1] = a.at[3] = -INFINITY;
     for (size_t k = 0; k < 2 * r->n_points; k++) {
         points[k] = exp_value(run, &r->points[k]);
         a.at[2 * (k % 2)] = fmin(a.at[2 * (k % 2)], points[k]);
         a.at[2 * (k % 2) + 1] = fmax(a.at[2 * (k % 2) + 1], points[k]);
     }
+    const char *fault = exp_region_fault(&a);
+    if (fault && !run->at.done && !run->failed)
+        exp_conclude(run, "no_region", "region %s, step %ld: %s", r->name, run->at.steps, fault);
     return a;
 }
 

@@ -283,7 +283,8 @@ typedef struct {
     const int32_t *kinds; /* by ids from 1 on; NULL: of any kind */
     int32_t kind;
 } exp_within;
-exp_within exp_within_now(exp_run *run, const exp_scope *scope);
+const char *exp_region_fault(const exp_within *region);          /* NULL: none */
+exp_within exp_within_now(exp_run *run, const exp_scope *scope); /* a faulty region ends the run */
 bool exp_is_within(const void *within, uint32_t id, double x, double y);
 
 /* Room for the marks and kinds of ids up to this one. Errors: RP_NO_MEMORY, in run->failed. */
