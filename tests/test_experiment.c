@@ -812,6 +812,7 @@ static void test_refused_more(void)
          "height is an observable and an earlier measure; give the measure another name"},
         {lift, "name = `x2`; of = `x`; }, { name = `y2`; of = `y`",
          "name = `x2`; of = `x`; }, { name = `y2`; of = `2*x2`; at = `wait`", "x2 is measured after this"},
+        {lift, "of = `y`; at = `lie`", "of = `moved(-1, 0)`", "moved(-1): a distance of 0 or more expected"},
         {lift, "phases =", "steps = 7; phases =", "steps: a text with phases ends with their last"},
         {lift, "phases =", "regions = { up = { y = (5.0, 0.0); }; }; phases =",
          "up: y = (5, 0): from the lower end to the upper"},

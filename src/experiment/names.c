@@ -151,10 +151,20 @@ static void list(void *host, rp_guess *guess)
     for (size_t k = 0; k < plan->n_outputs; k++) rp_guess_try(guess, plan->outputs[k].name);
 }
 
+/* Known numbers of observables: of `moved` alone. */
+static rp_status call(void *host, const char *name, int n, const double args[], double *value, bool *known)
+{
+    const char *dot = strchr(name, '.');
+    (void)host, (void)n, (void)value, (void)known;
+    return strcmp(dot ? dot + 1 : name, "moved") == 0 && args[0] < 0.0
+               ? rp_fail(RP_BAD_INPUT, "moved(%g): a distance of 0 or more expected", args[0])
+               : RP_OK;
+}
+
 void exp_place_in(exp_place *place, exp_plan *plan)
 {
     *place = (exp_place){.plan = plan, .phase = SIZE_MAX, .measure = SIZE_MAX};
-    place->names = (rp_x_names){.host = place, .find = find, .list = list};
+    place->names = (rp_x_names){.host = place, .find = find, .list = list, .call = call};
 }
 
 rp_status exp_expression_read(const config_setting_t *setting, const char *key, rp_x_type type,

@@ -360,8 +360,8 @@ static double wall_force(exp_run *run, const exp_use *use, int component)
     X(OF_PART, height, 0, 0, RP_X_NUMBER, "cm", "highest point of a grain, 0 without grains", SUM(top)) \
     X(OF_PART, left, 0, 0, RP_X_NUMBER, "cm", "leftmost point", SUM(left)) \
     X(OF_PART, right, 0, 0, RP_X_NUMBER, "cm", "rightmost point", SUM(right)) \
-    X(OF_PART, marked, 0, 0, RP_X_NUMBER, "", "grains whose position is marked, by where that is", marked(run, use)) \
-    X(OF_PART, moved, 1, 2, RP_X_NUMBER, "", "moved(s, k): marked grains farther than s from their mark, with k contacts or more", moved(run, use, args)) \
+    X(OF_PART, marked, 0, 0, RP_X_NUMBER, "", "grains whose position is marked, by where that is, taken out since or not", marked(run, use)) \
+    X(OF_PART, moved, 1, 2, RP_X_NUMBER, "", "moved(s, k): marked grains farther than s from their mark, with k contacts or more, and those taken out", moved(run, use, args)) \
     X(OF_PART, cells, 0, 0, RP_X_NUMBER, "", "columns of about d that hold a grain", cells(run, use)) \
     X(OF_PART, rest, 0, 0, RP_X_TRUTH, "", "whether the grains are at rest, by several looks in a row", is_at_rest(run, use)) \
     X(OF_PART, sliding, 0, 0, RP_X_NUMBER, "", "share of the contacts whose shear force is at Coulomb's limit", sliding(run, use)) \
