@@ -780,6 +780,17 @@ static void test_more_modules(void)
     CHECK_NEAR(measured(&t, "load"), one + two + wall, 1e-6);
     CHECK_NEAR(measured(&t, "centroid"), (0.3 * two + 0.6 * wall) / (one + two + wall), 1e-9);
     CU_ASSERT(isnan(measured(&t, "alone_load"))); /* one grain is no base */
+    static const char pulls[] =                   /* two that part fast, two that press */
+        "dt = 1e-6; gravity = (0.0, 0.0); tangential = { law = `spring`; mu = 0.5; };\n"
+        "walls = ( { name = `floor`; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+        "regions = { all = { x = (0.0, 9.0); }; };\n"
+        "particles = ( { x = 1.0; y = 1.0; r = 0.1; vx = -50.0; }, { x = 1.199; y = 1.0; r = 0.1; vx = 50.0; "
+        "},\n"
+        "  { x = 3.0; y = 1.0; r = 0.1; }, { x = 3.19; y = 1.0; r = 0.1; } );\n"
+        "phases = ( { name = `look`; steps = 0; } );\n"
+        "measure = ( { name = `l`; of = `limit`; in = `all`; wall = `floor`; } );\n";
+    RUN_TRIAL(p, pulls, 100, "ok");
+    CHECK_EACH(measured(&p, NAME), 0.0, {"l_all", 0.5}, {"l_force", 0.0});
 }
 
 static void test_refused_more(void)
