@@ -345,7 +345,7 @@ static double wall_force(exp_run *run, const exp_use *use, int component)
     X(OF_RUN, elastic, 0, 0, RP_X_NUMBER, "erg", "elastic energy of all contacts", elastic_energy(run)) \
     X(OF_PART, grains, 0, 0, RP_X_NUMBER, "", "number of grains", SUM(n)) \
     X(OF_PART, mass, 0, 0, RP_X_NUMBER, "g", "their mass", SUM(mass)) \
-    X(OF_PART, energy, 0, 0, RP_X_NUMBER, "erg", "mean kinetic energy of a grain, of translation and spin", rest_of(run, use).kinetic_energy) \
+    X(OF_PART, energy, 0, 0, RP_X_NUMBER, "erg", "mean kinetic energy of a grain, of translation and spin, 0 without grains", rest_of(run, use).kinetic_energy) \
     X(OF_PART, kinetic, 0, 0, RP_X_NUMBER, "erg", "sum of the kinetic energies", SUM(kinetic)) \
     X(OF_PART, speed, 0, 0, RP_X_NUMBER, "cm/s", "largest speed of a centre", largest_speed(run, use)) \
     X(OF_PART, spin, 0, 0, RP_X_NUMBER, "cm/s", "largest speed at a rim by spin", SUM(spin)) \
@@ -358,8 +358,8 @@ static double wall_force(exp_run *run, const exp_use *use, int component)
     X(OF_PART, vx, 0, 0, RP_X_NUMBER, "cm/s", "its velocity", SUM(vx)) \
     X(OF_PART, vy, 0, 0, RP_X_NUMBER, "cm/s", "its velocity", SUM(vy)) \
     X(OF_PART, height, 0, 0, RP_X_NUMBER, "cm", "highest point of a grain, 0 without grains", SUM(top)) \
-    X(OF_PART, left, 0, 0, RP_X_NUMBER, "cm", "leftmost point", SUM(left)) \
-    X(OF_PART, right, 0, 0, RP_X_NUMBER, "cm", "rightmost point", SUM(right)) \
+    X(OF_PART, left, 0, 0, RP_X_NUMBER, "cm", "leftmost point, 0 without grains", SUM(left)) \
+    X(OF_PART, right, 0, 0, RP_X_NUMBER, "cm", "rightmost point, 0 without grains", SUM(right)) \
     X(OF_PART, marked, 0, 0, RP_X_NUMBER, "", "grains whose position is marked, by where that is, taken out since or not", marked(run, use)) \
     X(OF_PART, moved, 1, 2, RP_X_NUMBER, "", "moved(s, k): marked grains farther than s from their mark, with k contacts or more, and those taken out", moved(run, use, args)) \
     X(OF_PART, cells, 0, 0, RP_X_NUMBER, "", "columns of about d that hold a grain", cells(run, use)) \
@@ -430,6 +430,7 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
     for (int k = 0; k < EXP_MODULE_OUTPUTS; k++) out[k] = NAN;
     const rp_status status =
         module->add ? module->add(&view, m->params, samples->sums) : module->evaluate(&view, m->params, out);
+    for (int k = 0; k < EXP_MODULE_OUTPUTS; k++) out[k] = isnan(out[k]) ? NAN : out[k];
     samples->taken += !status;
     return status;
 }
@@ -453,14 +454,16 @@ double exp_observe(void *host, int id, const double args[])
     exp_run *run = host;
     if (id >= EXP_ID_MEASURE) return run->values[id - EXP_ID_MEASURE];
     const exp_use *use = &run->plan->uses[id];
-    return run->failed ? NAN : use->of->value(run, use, args);
+    const double value = run->failed ? NAN : use->of->value(run, use, args);
+    return isnan(value) ? NAN : value; /* one without a sign, which printf would write */
 }
 
 double exp_value(exp_run *run, const exp_expression *e)
 {
     if (e->x.known) return e->x.value;
     const rp_x_values values = {run, exp_observe};
-    return rp_expression_value(&e->x, &values, &run->counters[e->state]);
+    const double value = rp_expression_value(&e->x, &values, &run->counters[e->state]);
+    return isnan(value) ? NAN : value;
 }
 
 bool exp_true(exp_run *run, const exp_expression *e)
