@@ -31,6 +31,7 @@ static const char fall[] =
     "  { name = `most`; of = `-vy`; during = `fall`; take = `max`; skip = 0.5; },\n"
     "  { name = `least`; of = `-vy`; during = `fall`; take = `min`; skip = 0.5; },\n"
     "  { name = `step_y`; of = `change(t)`; during = `fall`; take = `max`; every = 25; },\n"
+    "  { name = `steps_y`; of = `change(t)`; during = `fall`; },\n"
     "  { name = `weight`; of = `floor.fy`; }, { name = `side`; of = `floor.fx`; },\n"
     "  { name = `top`; of = `height`; }, { name = `l`; of = `left`; }, { name = `r`; of = `right`; },\n"
     "  { name = `touching`; of = `contacts`; }, { name = `columns`; of = `cells`; },\n"
@@ -49,7 +50,7 @@ static void test_closed_forms(void)
     /* a let named d leaves the mean grain's diameter as it is: columns; samples each 0.005 s; the first
      * beyond 25 cm/s is late */
     CHECK_EACH(measured(&t, NAME), 1e-12, {"t1", T}, {"T", 1e-4 * measured(&t, "s")}, {"mean_t", 0.0275},
-               {"late", 0.03}, {"step_y", 0.0025});
+               {"late", 0.03}, {"step_y", 0.0025}, {"steps_y", 0.005});
     CHECK_NEAR(measured(&t, "rate_y"), -1000.0, 1e-6);
     CHECK_NEAR(measured(&t, "weight"), -0.04 * 1000.0, 0.4);
     CHECK_NEAR(measured(&t, "top"), 0.4, 1e-3);
@@ -823,6 +824,7 @@ static void test_refused_more(void)
          "height is an observable and an earlier measure; give the measure another name"},
         {lift, "name = `x2`; of = `x`; }, { name = `y2`; of = `y`",
          "name = `x2`; of = `x`; }, { name = `y2`; of = `2*x2`; at = `wait`", "x2 is measured after this"},
+        {lift, "of = `y`; at = `lie`", "of = `change(y)`", "change and held need samples"},
         {lift, "of = `y`; at = `lie`", "of = `moved(-1, 0)`", "moved(-1): a distance of 0 or more expected"},
         {lift, "phases =", "steps = 7; phases =", "steps: a text with phases ends with their last"},
         {lift, "phases =", "regions = { up = { y = (5.0, 0.0); }; }; phases =",

@@ -45,6 +45,16 @@ static void no_numbers(exp_run *run, const exp_measure *m, rp_status status, con
         exp_conclude(run, word, "%s: %s", m->name, rp_message());
 }
 
+/* A value; *begins: it is none yet, since change(e) has its first. */
+static double sampled(exp_run *run, const exp_expression *e, bool *begins)
+{
+    bool first = e->x.n_states > 0;
+    for (size_t k = 0; k < e->x.n_states; k++) first &= run->counters[e->state + k] == 0.0;
+    const double value = exp_value(run, e);
+    *begins |= first && isnan(value);
+    return value;
+}
+
 static void add_sample(exp_run *run, size_t k)
 {
     const exp_measure *m = &run->plan->measures[k];
@@ -54,12 +64,13 @@ static void add_sample(exp_run *run, size_t k)
     rp_status status = m->module && !run->failed ? exp_module_values(run, m, out) : RP_OK;
     no_numbers(run, m, status, m->module ? m->module->word : "");
     if (status || (m->module && m->module->add)) return;
-    const double value = m->module ? out[m->pick] : exp_value(run, &m->of);
-    const double beside = m->take == TAKE_LINE ? exp_value(run, &m->against)
+    bool begins = false;
+    const double value = m->module ? out[m->pick] : sampled(run, &m->of, &begins);
+    const double beside = m->take == TAKE_LINE ? sampled(run, &m->against, &begins)
                           : m->event.x.text    ? exp_true(run, &m->event)
                                                : 0.0;
     const exp_sampled *last = s->n > 0 ? &s->at[s->n - 1] : NULL;
-    if (run->failed) return;
+    if (run->failed || begins) return;
     const bool extreme = m->take == TAKE_MAX || m->take == TAKE_MIN; /* of all samples so far */
     const bool some = m->skip != 0.0 || *m->level_of;
     if (!some && (m->take == TAKE_FIRST || (extreme && !m->series))) { /* one sample is enough */

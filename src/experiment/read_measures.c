@@ -302,5 +302,7 @@ rp_status exp_read_measure(exp_plan *plan, size_t k)
     m->states[0] = plan->n_states;
     RP_TRY(exp_read_keys(m->setting, "", keys, &place));
     m->states[1] = plan->n_states;
+    if (m->take == TAKE_VALUE && m->of.x.n_states > 0)
+        return rp_config_fail(member(m->setting, "of"), "change and held need samples, during = \"PHASE\"");
     return RP_OK;
 }
