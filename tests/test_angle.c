@@ -742,7 +742,8 @@ static void test_blocking_small(void)
     CU_ASSERT(b.mean == 0.381 && b.sd == 0.0 && b.se == 0.0 && b.tau == 0.5);
     CHECK_FAILS(stats_blocking(64, ramp, work, &b), RP_NO_RESULT, "no plateau");
     CU_ASSERT(b.n == 64 && b.mean == 31.5 && isnan(b.se) && isnan(b.tau));
-    CHECK_FAILS(stats_blocking(3, v, work, &b), RP_NO_RESULT, "3 values");
+    CHECK_FAILS(stats_blocking(3, ramp, work, &b), RP_NO_RESULT, "3 values");
+    CU_ASSERT(b.mean == 1.0 && b.sd == 1.0 && isnan(b.se));
     CHECK_FAILS(stats_blocking(15, v, work, &b), RP_NO_RESULT, "no plateau"); /* B = 4 needs 16 */
     CHECK_OK(stats_blocking(16, v, work, &b));
     CU_ASSERT(b.block == 4);

@@ -31,6 +31,7 @@ static const char fall[] =
     "  { name = `most`; of = `-vy`; during = `fall`; take = `max`; skip = 0.5; },\n"
     "  { name = `least`; of = `-vy`; during = `fall`; take = `min`; skip = 0.5; },\n"
     "  { name = `step_y`; of = `change(t)`; during = `fall`; take = `max`; every = 25; },\n"
+    "  { name = `steps_y`; of = `change(t)`; during = `fall`; },\n"
     "  { name = `weight`; of = `floor.fy`; }, { name = `side`; of = `floor.fx`; },\n"
     "  { name = `top`; of = `height`; }, { name = `l`; of = `left`; }, { name = `r`; of = `right`; },\n"
     "  { name = `touching`; of = `contacts`; }, { name = `columns`; of = `cells`; },\n"
@@ -49,7 +50,7 @@ static void test_closed_forms(void)
     /* a let named d leaves the mean grain's diameter as it is: columns; samples each 0.005 s; the first
      * beyond 25 cm/s is late */
     CHECK_EACH(measured(&t, NAME), 1e-12, {"t1", T}, {"T", 1e-4 * measured(&t, "s")}, {"mean_t", 0.0275},
-               {"late", 0.03}, {"step_y", 0.0025});
+               {"late", 0.03}, {"step_y", 0.0025}, {"steps_y", 0.005});
     CHECK_NEAR(measured(&t, "rate_y"), -1000.0, 1e-6);
     CHECK_NEAR(measured(&t, "weight"), -0.04 * 1000.0, 0.4);
     CHECK_NEAR(measured(&t, "top"), 0.4, 1e-3);
@@ -110,9 +111,14 @@ static void test_phases(void)
         "  { name = `back`; gravity = (0.0, -981.0); steps = 3; } );\n"
         "measure = ( { name = `tilt`; of = `tilt_deg`; at = `wait`; take = `max`; },\n"
         "  { name = `passes`; of = `pass`; at = `wait`; take = `max`; series = true; },\n"
+        "  { name = `speed`; of = `tilt_deg`; during = `turn`; every = 10; take = `rate`; skip = 0.5; },\n"
+        "  { name = `later`; of = `phase_step`; during = `turn`; every = 10; take = `first`; skip = 0.5; },\n"
+        "  { name = `none`; of = `t`; during = `turn`; take = `avalanches`; every = 10; drop = 0.005; "
+        "optional = true; },\n"
         "  { name = `nothing`; of = `tilt_deg`; at = `never`; }, { name = `steps`; of = `step`; } );\n";
     RUN_TRIAL(t, text, 37, "ok_turned");
-    CHECK_EACH(measured(&t, NAME), 1e-9, {"tilt", 5.0}, {"passes", 5.0}, {"steps", 5.0 * 200.0 + 3.0});
+    CHECK_EACH(measured(&t, NAME), 1e-9, {"tilt", 5.0}, {"passes", 5.0}, {"steps", 5.0 * 200.0 + 3.0},
+               {"speed", 100.0}, {"later", 60.0}, {"none_n", 0.0}); /* of each pass */
     CU_ASSERT(isnan(measured(&t, "nothing")) && exp_steps(t.run) == 1003);
     CU_ASSERT(!exp_series_name(t.plan, 1) && strcmp(exp_series_name(t.plan, 0), "series_passes.tsv") == 0);
 }
@@ -653,7 +659,8 @@ static void test_vibrated(void)
     }
 }
 
-/* A heap of columns: two slopes, one apex, a grain that has run out. */
+/* A heap of columns: two slopes, one apex, a grain that flies above `to` over the left flank, one that has
+ * run out. */
 static void test_modules(void)
 {
     char text[16384];
@@ -669,7 +676,8 @@ static void test_modules(void)
                               k > -9 ? "," : "", x + 0.1, top - 0.1);
     }
     snprintf(text + n, sizeof text - n,
-             ", { x = 4.7; y = 0.9; r = 0.1; }, { x = 9.0; y = 0.1; r = 0.1; }, { x = 9.19; y = 0.1; r = "
+             ", { x = -0.5; y = 1.8; r = 0.1; }, { x = 4.7; y = 0.9; r = 0.1; }, { x = 9.0; y = 0.1; r = "
+             "0.1; }, { x = 9.19; y = 0.1; r = "
              "0.1; } );\n"
              "phases = ( { name = `look`; steps = 0; } );\n"
              "measure = ( { name = `heap`; of = `flanks`; in = `all`; touching = false; },\n"
@@ -784,6 +792,17 @@ static void test_more_modules(void)
     CHECK_NEAR(measured(&t, "load"), one + two + wall, 1e-6);
     CHECK_NEAR(measured(&t, "centroid"), (0.3 * two + 0.6 * wall) / (one + two + wall), 1e-9);
     CU_ASSERT(isnan(measured(&t, "alone_load"))); /* one grain is no base */
+    static const char pulls[] =                   /* two that part fast, two that press */
+        "dt = 1e-6; gravity = (0.0, 0.0); tangential = { law = `spring`; mu = 0.5; };\n"
+        "walls = ( { name = `floor`; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+        "regions = { all = { x = (0.0, 9.0); }; };\n"
+        "particles = ( { x = 1.0; y = 1.0; r = 0.1; vx = -50.0; }, { x = 1.199; y = 1.0; r = 0.1; vx = 50.0; "
+        "},\n"
+        "  { x = 3.0; y = 1.0; r = 0.1; }, { x = 3.19; y = 1.0; r = 0.1; } );\n"
+        "phases = ( { name = `look`; steps = 0; } );\n"
+        "measure = ( { name = `l`; of = `limit`; in = `all`; wall = `floor`; } );\n";
+    RUN_TRIAL(p, pulls, 100, "ok");
+    CHECK_EACH(measured(&p, NAME), 0.0, {"l_all", 0.5}, {"l_force", 0.0});
 }
 
 static void test_refused_more(void)
@@ -816,19 +835,37 @@ static void test_refused_more(void)
          "height is an observable and an earlier measure; give the measure another name"},
         {lift, "name = `x2`; of = `x`; }, { name = `y2`; of = `y`",
          "name = `x2`; of = `x`; }, { name = `y2`; of = `2*x2`; at = `wait`", "x2 is measured after this"},
+        {lift, "of = `y`; at = `lie`", "of = `change(y)`", "change and held need samples"},
+        {lift, "of = `y`; at = `lie`", "of = `moved(-1, 0)`", "moved(-1): a distance of 0 or more expected"},
         {lift, "phases =", "steps = 7; phases =", "steps: a text with phases ends with their last"},
         {lift, "phases =", "regions = { up = { y = (5.0, 0.0); }; }; phases =",
          "up: y = (5, 0): from the lower end to the upper"},
+        {lift, "phases =", "regions = { up = { circle = (0.0, 5.0, 0.0); }; }; phases =",
+         "up: the radius is not positive"},
+        {lift, "phases =",
+         "regions = { up = { polygon = ( (0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0) ); }; }; phases =",
+         "up: two sides of the polygon cross"},
+        {lift, "measure = ( {",
+         "regions = { up = { y = (0.0, 5.0); }; }; measure = ( { name = `s`; of = `up.sxx`; }, {",
+         "up.sxx: over the area of a region, whose x and y have two ends"},
+        {lift, "measure = ( {",
+         "regions = { up = { circle = (0.0, 5.0, 1.0); }; }; measure = ( { name = `s`; of = `profile`; in = "
+         "`up`; }, {",
+         "in = \"up\": of profile, a region of x and y expected"},
         {lift, "of = `y`; at = `lie`", "of = `y`; during = `lie`; take = `avalanches`",
          "avalanches are found by drop, or by event"},
         {lift, "v = 2.0", "v = 900.0", "phase up: wall plate needs dt <= "},
         {lift, "every = 10;", "gravity = (0.0, `-1e9*t`); every = 10;", "phase up: dt = 0.0001: too large"},
         {lift, "`v`", "`2000*cos(t)`", "phase up: wall plate needs dt <= "}};
     check_refused(sizeof cases / sizeof *cases, cases);
-    static const trial_change fast[] = {
-        {lift, "`v`", "`v*(1e5 + y)`", "too_fast"}, /* known to the run alone */
-        {lift, "`v`", "`sqrt(-y) > 1 ? 1 : v`", "nan"}};
-    check_ends(2, fast);
+    static const trial_change ends[] = {
+        /* known to the run alone */
+        {lift, "`v`", "`v*(1e5 + y)`", "too_fast"},
+        {lift, "`v`", "`sqrt(-y) > 1 ? 1 : v`", "nan"},
+        {lift, "measure = ( {",
+         "regions = { up = { x = (0.0, `1 - step`); }; }; measure = ( { name = `s`; of = `up.x`; }, {",
+         "no_region"}};
+    check_ends(sizeof ends / sizeof *ends, ends);
 }
 
 /* Much of what phases can do, for a while. */

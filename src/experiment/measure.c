@@ -45,6 +45,16 @@ static void no_numbers(exp_run *run, const exp_measure *m, rp_status status, con
         exp_conclude(run, word, "%s: %s", m->name, rp_message());
 }
 
+/* A value; *begins: it is none yet, since change(e) has its first. */
+static double sampled(exp_run *run, const exp_expression *e, bool *begins)
+{
+    bool first = e->x.n_states > 0;
+    for (size_t k = 0; k < e->x.n_states; k++) first &= run->counters[e->state + k] == 0.0;
+    const double value = exp_value(run, e);
+    *begins |= first && isnan(value);
+    return value;
+}
+
 static void add_sample(exp_run *run, size_t k)
 {
     const exp_measure *m = &run->plan->measures[k];
@@ -54,12 +64,13 @@ static void add_sample(exp_run *run, size_t k)
     rp_status status = m->module && !run->failed ? exp_module_values(run, m, out) : RP_OK;
     no_numbers(run, m, status, m->module ? m->module->word : "");
     if (status || (m->module && m->module->add)) return;
-    const double value = m->module ? out[m->pick] : exp_value(run, &m->of);
-    const double beside = m->take == TAKE_LINE ? exp_value(run, &m->against)
-                          : m->event.x.text    ? exp_number(run, "event", &m->event)
+    bool begins = false;
+    const double value = m->module ? out[m->pick] : sampled(run, &m->of, &begins);
+    const double beside = m->take == TAKE_LINE ? sampled(run, &m->against, &begins)
+                          : m->event.x.text    ? exp_true(run, &m->event)
                                                : 0.0;
     const exp_sampled *last = s->n > 0 ? &s->at[s->n - 1] : NULL;
-    if (run->failed) return;
+    if (run->failed || begins) return;
     const bool extreme = m->take == TAKE_MAX || m->take == TAKE_MIN; /* of all samples so far */
     const bool some = m->skip != 0.0 || *m->level_of;
     if (!some && (m->take == TAKE_FIRST || (extreme && !m->series))) { /* one sample is enough */
@@ -77,7 +88,8 @@ static void add_sample(exp_run *run, size_t k)
         }
         s->at = more, s->room = room;
     }
-    s->at[s->n++] = (exp_sampled){dem_time(run->sim), value, beside, (double)run->at.steps};
+    s->at[s->n++] = (exp_sampled){dem_time(run->sim), value, beside, (double)run->at.steps,
+                                  *m->during ? (double)run->at.pass : 0.0};
     /* what is known while the phase lasts */
     double *const known = &run->values[m->output];
     if (some) return;
@@ -97,112 +109,150 @@ void exp_sample(exp_run *run)
 
 /* ---- what is made of samples ---- */
 
-/* The first sample that counts. */
-static rp_status first_of(const exp_run *run, const exp_measure *m, double work[], size_t *from)
+static size_t end_of_pass(const exp_samples *s, size_t begin)
+{
+    size_t end = begin;
+    while (end < s->n && s->at[end].pass == s->at[begin].pass) end++;
+    return end;
+}
+
+/* The samples that count: without the first ones, of each pass of a phase that is repeated. */
+static rp_status take_counting(const exp_run *run, const exp_measure *m, rp_arena *arena, exp_samples *kept)
 {
     const exp_measure *level = &run->plan->measures[m->levels_with];
-    const exp_samples *s = &run->samples[m->levels_with];
-    if (s->n != run->samples[m - run->plan->measures].n)
-        return rp_fail(RP_NO_RESULT, "%s has other samples", level->name);
-    for (size_t i = 0; i < s->n; i++) work[i] = s->at[i].value;
-    if (isinf(level->skip)) return stats_level_off(s->n, work, from);
-    *from = (size_t)ceil(level->skip * (double)s->n);
+    const exp_samples *s = &run->samples[m - run->plan->measures], *by = &run->samples[m->levels_with];
+    double *v;
+    size_t from = 0;
+    if (by->n != s->n) return rp_fail(RP_NO_RESULT, "%s has other samples", level->name);
+    RP_NEW(arena, v, s->n);
+    RP_NEW(arena, kept->at, s->n);
+    for (size_t i = 0; i < s->n; i++) v[i] = by->at[i].value;
+    if (isinf(level->skip)) RP_TRY(stats_level_off(s->n, v, &from));
+    for (size_t end; from < s->n; from = end) {
+        end = isinf(level->skip) ? s->n : end_of_pass(s, from);
+        if (isfinite(level->skip)) from += (size_t)ceil(level->skip * (double)(end - from));
+        for (size_t i = from; i < end; i++) kept->at[kept->n++] = s->at[i];
+    }
     return RP_OK;
 }
 
 enum { BLOCKS = 10 };
 
-/* Change over time, and its standard error from ten blocks. */
-static void rate(const exp_samples *s, size_t from, double out[])
+static double rate_between(const exp_sampled *lo, const exp_sampled *hi)
 {
-    const exp_sampled *at = &s->at[from];
-    const size_t last = s->n - 1 - from;
-    double rates[BLOCKS], mean = 0.0, sum = 0.0;
-    out[0] = (at[last].value - at[0].value) / (at[last].time - at[0].time);
-    if (last < 2 * BLOCKS) return;
-    for (size_t b = 0; b < BLOCKS; b++) {
-        const exp_sampled *lo = &at[last * b / BLOCKS], *hi = &at[last * (b + 1) / BLOCKS];
-        mean += rates[b] = (hi->value - lo->value) / (hi->time - lo->time);
-    }
-    mean /= BLOCKS;
-    for (size_t b = 0; b < BLOCKS; b++) sum += (rates[b] - mean) * (rates[b] - mean);
-    out[1] = sqrt(sum / (BLOCKS - 1) / BLOCKS);
+    return (hi->value - lo->value) / (hi->time - lo->time);
 }
 
-/* Falls of a series: samples with an event, from the one before; or falls by `drop` from a maximum, to the
- * minimum before it has risen as much again. Number; values before and after, each with its error. */
-static rp_status avalanches(const exp_measure *m, const exp_samples *s, const double v[], size_t from,
-                            double out[])
+/* Change over time, the mean of those of the passes, and its standard error from ten blocks: those of one
+ * pass, or ten passes or more. */
+static rp_status rate(const exp_samples *s, rp_arena *arena, double out[])
 {
-    double n = 0.0, sums[2] = {0.0, 0.0}, squares[2] = {0.0, 0.0}, most = v[from], least = v[from];
+    double *rates;
+    size_t n = 0;
+    stats_summary all;
+    RP_NEW(arena, rates, s->n + BLOCKS);
+    for (size_t i = 0, end; i < s->n; i = end)
+        if ((end = end_of_pass(s, i)) - i > 1) rates[n++] = rate_between(&s->at[i], &s->at[end - 1]);
+    if (n == 0) return rp_fail(RP_NO_RESULT, "fewer than two samples");
+    if (stats_mean(n, rates, &all)) return rp_fail(RP_NO_RESULT, "two samples at one time");
+    out[0] = all.mean;
+    const size_t last = s->n - 1;
+    if (n == 1 && end_of_pass(s, 0) == s->n && last >= 2 * BLOCKS)
+        for (n = 0; n < BLOCKS; n++)
+            rates[n] = rate_between(&s->at[last * n / BLOCKS], &s->at[last * (n + 1) / BLOCKS]);
+    if (n < BLOCKS) return RP_OK;
+    if (!stats_mean(n, rates, &all)) out[1] = all.se;
+    return RP_OK;
+}
+
+/* Sums over the falls of the samples from `begin` to `end`: number; values before and after, and squares. */
+typedef struct {
+    double n, sums[2], squares[2];
+} falls_found;
+
+static void add_falls(const exp_measure *m, const exp_sampled *s, const exp_sampled *end, falls_found *f)
+{
+    double most = s->value, least = s->value;
     bool falls = false;
-    for (size_t i = from + 1; i <= s->n; i++) {
-        const bool end = i == s->n;
-        double pair[2] = {v[i - 1], end ? NAN : v[i]};
-        bool found = !end && s->at[i].beside != 0.0;
+    for (s++; s <= end; s++) {
+        const bool ends = s == end;
+        const double value = ends ? NAN : s->value;
+        double pair[2] = {s[-1].value, value};
+        bool found = !ends && s->beside != 0.0;
         if (isfinite(m->drop)) {
-            found = falls && (end || v[i] >= least + m->drop);
+            found = falls && (ends || value >= least + m->drop);
             pair[0] = most, pair[1] = least;
             if (found)
-                falls = false, most = end ? most : v[i];
-            else if (!end && !falls && v[i] <= most - m->drop)
-                falls = true, least = v[i];
-            else if (!end && falls)
-                least = fmin(least, v[i]);
-            else if (!end)
-                most = fmax(most, v[i]);
+                falls = false, most = ends ? most : value;
+            else if (!ends && !falls && value <= most - m->drop)
+                falls = true, least = value;
+            else if (!ends && falls)
+                least = fmin(least, value);
+            else if (!ends)
+                most = fmax(most, value);
         }
         if (!found) continue;
-        n++;
-        for (int k = 0; k < 2; k++) sums[k] += pair[k], squares[k] += pair[k] * pair[k];
+        f->n++;
+        for (int k = 0; k < 2; k++) f->sums[k] += pair[k], f->squares[k] += pair[k] * pair[k];
     }
-    out[0] = n;
-    if (n == 0.0) return rp_fail(RP_NO_RESULT, "no avalanche in %zu samples", s->n - from);
+}
+
+/* Falls of the series of each pass: samples with an event, from the one before; or falls by `drop` from a
+ * maximum, to the minimum before it has risen as much again. Number; values before and after, each with its
+ * error. */
+static rp_status avalanches(const exp_measure *m, const exp_samples *s, double out[])
+{
+    falls_found f = {0};
+    for (size_t i = 0, end; i < s->n; i = end)
+        end = end_of_pass(s, i), add_falls(m, &s->at[i], &s->at[end], &f);
+    out[0] = f.n;
+    if (f.n == 0.0) return rp_fail(RP_NO_RESULT, "no avalanche in %zu samples", s->n);
     for (int k = 0; k < 2; k++) { /* mean and its standard error */
-        const double about_mean = fmax(squares[k] - sums[k] * sums[k] / n, 0.0);
-        out[1 + 2 * k] = sums[k] / n;
-        out[2 + 2 * k] = n > 1.0 ? sqrt(about_mean / (n - 1.0) / n) : NAN;
+        const double about_mean = fmax(f.squares[k] - f.sums[k] * f.sums[k] / f.n, 0.0);
+        out[1 + 2 * k] = f.sums[k] / f.n;
+        out[2 + 2 * k] = f.n > 1.0 ? sqrt(about_mean / (f.n - 1.0) / f.n) : NAN;
     }
     return RP_OK;
 }
 
 /* The straight line through the samples. */
-static rp_status straight(const exp_samples *s, const double v[], size_t from, double x[], double out[])
+static rp_status straight(const exp_samples *s, const double v[], double x[], double out[])
 {
     stats_line line;
-    for (size_t i = from; i < s->n; i++)
+    for (size_t i = 0; i < s->n; i++)
         if (!isfinite(x[i] = s->at[i].beside)) return rp_fail(RP_NO_RESULT, "against is %g", x[i]);
-    RP_TRY(stats_line_fit(&(stats_xy){s->n - from, x + from, v + from, NULL}, false, &line));
+    RP_TRY(stats_line_fit(&(stats_xy){s->n, x, v, NULL}, false, &line));
     out[0] = line.intercept, out[1] = line.slope;
     if (line.dof > 0) out[2] = line.intercept_se, out[3] = line.slope_se;
     return RP_OK;
 }
 
 /* The outputs of a measure, in the order of its columns. */
-static rp_status reduce(const exp_run *run, const exp_measure *m, const exp_samples *s, double out[])
+static rp_status reduce(const exp_run *run, const exp_measure *m, double out[])
 {
     RP_SCOPE(arena);
+    const exp_samples *all = &run->samples[m - run->plan->measures];
+    exp_samples s = {0};
     double *v, *work;
-    size_t from;
     stats_series series = {0};
-    if (s->n == 0) return rp_fail(RP_NO_RESULT, "no samples");
-    RP_NEW(&arena, v, s->n);
-    RP_NEW(&arena, work, s->n);
-    for (size_t i = 0; i < s->n; i++)
-        if (!isfinite(v[i] = s->at[i].value)) return rp_fail(RP_NO_RESULT, "a sample is %g", v[i]);
-    RP_TRY(first_of(run, m, work, &from));
-    if (from >= s->n) return rp_fail(RP_NO_RESULT, "one sample, and skip = %g", m->skip);
-    if (m->take == TAKE_LINE) return straight(s, v, from, work, out);
-    if (m->take == TAKE_AVALANCHES) return avalanches(m, s, v, from, out);
-    if (m->take == TAKE_RATE && s->n - from < 2) return rp_fail(RP_NO_RESULT, "fewer than two samples");
-    out[0] = v[from];
-    for (size_t i = from; i < s->n; i++)
+    if (all->n == 0) return rp_fail(RP_NO_RESULT, "no samples");
+    for (size_t i = 0; i < all->n; i++)
+        if (!isfinite(all->at[i].value)) return rp_fail(RP_NO_RESULT, "a sample is %g", all->at[i].value);
+    RP_TRY(take_counting(run, m, &arena, &s));
+    if (s.n == 0) return rp_fail(RP_NO_RESULT, "one sample, and skip = %g", m->skip);
+    RP_NEW(&arena, v, s.n);
+    RP_NEW(&arena, work, s.n);
+    for (size_t i = 0; i < s.n; i++) v[i] = s.at[i].value;
+    if (m->take == TAKE_LINE) return straight(&s, v, work, out);
+    if (m->take == TAKE_AVALANCHES) return avalanches(m, &s, out);
+    if (m->take == TAKE_RATE) return rate(&s, &arena, out);
+    out[0] = v[0];
+    for (size_t i = 0; i < s.n; i++)
         if (m->take == TAKE_MAX ? v[i] > out[0] : m->take == TAKE_MIN && v[i] < out[0]) out[0] = v[i];
-    if (m->take == TAKE_RATE) rate(s, from, out);
     if (m->take != TAKE_MEAN) return RP_OK;
     out[0] = 0.0;
-    for (size_t i = from; i < s->n; i++) out[0] += v[i] / (double)(s->n - from);
-    (void)stats_blocking(s->n - from, v + from, work, &series); /* a mean without an error is one */
+    for (size_t i = 0; i < s.n; i++) out[0] += v[i] / (double)s.n;
+    (void)stats_blocking(s.n, v, work, &series); /* a mean without an error is one */
     if (isfinite(series.mean)) out[0] = series.mean;
     out[1] = series.sd, out[2] = series.se;
     out[3] = isfinite(series.tau) ? (double)series.n / fmax(2.0 * series.tau, 1.0) : NAN;
@@ -219,7 +269,7 @@ static void measure(exp_run *run, size_t k)
         return;
     }
     if (m->take != TAKE_VALUE) {
-        const rp_status status = reduce(run, m, &run->samples[k], all);
+        const rp_status status = reduce(run, m, all);
         memcpy(out, all, m->n_outputs * sizeof *out);
         no_numbers(run, m, status, "no_samples");
         return;

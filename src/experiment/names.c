@@ -45,6 +45,10 @@ static rp_status use(exp_plan *plan, const exp_observable *o, exp_scope scope, c
                        o->most ? "%s: %d to %d numbers in brackets expected"
                                : "%s: takes nothing in brackets",
                        name, o->least, o->most);
+    const exp_region *r = o->of == OF_REGION ? &plan->regions[scope.index] : NULL;
+    for (int k = 0; r && k < 4 && !r->circle && !r->n_points; k++)
+        if (r->at[k].x.known && isinf(r->at[k].x.value))
+            return rp_fail(RP_BAD_INPUT, "%s: over the area of a region, whose x and y have two ends", name);
     if ((plan->n_uses & (plan->n_uses + 1)) == 0) { /* a power of two less one: the room is full */
         exp_use *more = rp_arena_memory(&plan->arena, 2 * plan->n_uses + 2, sizeof *more);
         if (!more) return RP_NO_MEMORY;
@@ -147,10 +151,20 @@ static void list(void *host, rp_guess *guess)
     for (size_t k = 0; k < plan->n_outputs; k++) rp_guess_try(guess, plan->outputs[k].name);
 }
 
+/* Known numbers of observables: of `moved` alone. */
+static rp_status call(void *host, const char *name, int n, const double args[], double *value, bool *known)
+{
+    const char *dot = strchr(name, '.');
+    (void)host, (void)n, (void)value, (void)known;
+    return strcmp(dot ? dot + 1 : name, "moved") == 0 && args[0] < 0.0
+               ? rp_fail(RP_BAD_INPUT, "moved(%g): a distance of 0 or more expected", args[0])
+               : RP_OK;
+}
+
 void exp_place_in(exp_place *place, exp_plan *plan)
 {
     *place = (exp_place){.plan = plan, .phase = SIZE_MAX, .measure = SIZE_MAX};
-    place->names = (rp_x_names){.host = place, .find = find, .list = list};
+    place->names = (rp_x_names){.host = place, .find = find, .list = list, .call = call};
 }
 
 rp_status exp_expression_read(const config_setting_t *setting, const char *key, rp_x_type type,

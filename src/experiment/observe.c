@@ -8,6 +8,30 @@
 
 /* ---- regions ---- */
 
+/* On which side of the line through p and q, 1 to its left. */
+static int side_of(const double p[2], const double q[2], const double r[2])
+{
+    const double turn = (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+    return (turn > 0.0) - (turn < 0.0);
+}
+
+const char *exp_region_fault(const exp_within *a)
+{
+    const size_t n = a->n_points;
+    for (size_t k = 0; k < (n ? 2 * n : a->circle ? 3 : 4); k++)
+        if (isnan(n ? a->points[k] : a->at[k])) return "a number is nan";
+    if (a->circle) return a->at[2] > 0.0 ? NULL : "the radius is not positive";
+    if (a->at[0] > a->at[1] || a->at[2] > a->at[3]) return "a lower end is above its upper one";
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = i + 2; k < n - (i == 0); k++) { /* sides without a common corner */
+            const double *p = &a->points[2 * i], *q = &a->points[2 * ((i + 1) % n)], *r = &a->points[2 * k],
+                         *s = &a->points[2 * ((k + 1) % n)];
+            if (side_of(p, q, r) * side_of(p, q, s) < 0 && side_of(r, s, p) * side_of(r, s, q) < 0)
+                return "two sides of the polygon cross";
+        }
+    return NULL;
+}
+
 exp_within exp_within_now(exp_run *run, const exp_scope *scope)
 {
     exp_within a = {.all = scope->sort != EXP_REGION};
@@ -16,15 +40,17 @@ exp_within exp_within_now(exp_run *run, const exp_scope *scope)
     const exp_region *r = &run->plan->regions[scope->index];
     a.circle = r->circle;
     for (int k = 0; k < (r->circle ? 3 : 4); k++) a.at[k] = exp_value(run, &r->at[k]);
-    if (r->n_points == 0) return a;
     double *points = run->points[scope->index];
     a.points = points, a.n_points = r->n_points;
-    a.at[0] = a.at[2] = INFINITY, a.at[1] = a.at[3] = -INFINITY;
+    if (r->n_points) a.at[0] = a.at[2] = INFINITY, a.at[1] = a.at[3] = -INFINITY;
     for (size_t k = 0; k < 2 * r->n_points; k++) {
         points[k] = exp_value(run, &r->points[k]);
         a.at[2 * (k % 2)] = fmin(a.at[2 * (k % 2)], points[k]);
         a.at[2 * (k % 2) + 1] = fmax(a.at[2 * (k % 2) + 1], points[k]);
     }
+    const char *fault = exp_region_fault(&a);
+    if (fault && !run->at.done && !run->failed)
+        exp_conclude(run, "no_region", "region %s, step %ld: %s", r->name, run->at.steps, fault);
     return a;
 }
 
@@ -319,7 +345,7 @@ static double wall_force(exp_run *run, const exp_use *use, int component)
     X(OF_RUN, elastic, 0, 0, RP_X_NUMBER, "erg", "elastic energy of all contacts", elastic_energy(run)) \
     X(OF_PART, grains, 0, 0, RP_X_NUMBER, "", "number of grains", SUM(n)) \
     X(OF_PART, mass, 0, 0, RP_X_NUMBER, "g", "their mass", SUM(mass)) \
-    X(OF_PART, energy, 0, 0, RP_X_NUMBER, "erg", "mean kinetic energy of a grain, of translation and spin", rest_of(run, use).kinetic_energy) \
+    X(OF_PART, energy, 0, 0, RP_X_NUMBER, "erg", "mean kinetic energy of a grain, of translation and spin, 0 without grains", rest_of(run, use).kinetic_energy) \
     X(OF_PART, kinetic, 0, 0, RP_X_NUMBER, "erg", "sum of the kinetic energies", SUM(kinetic)) \
     X(OF_PART, speed, 0, 0, RP_X_NUMBER, "cm/s", "largest speed of a centre", largest_speed(run, use)) \
     X(OF_PART, spin, 0, 0, RP_X_NUMBER, "cm/s", "largest speed at a rim by spin", SUM(spin)) \
@@ -332,13 +358,13 @@ static double wall_force(exp_run *run, const exp_use *use, int component)
     X(OF_PART, vx, 0, 0, RP_X_NUMBER, "cm/s", "its velocity", SUM(vx)) \
     X(OF_PART, vy, 0, 0, RP_X_NUMBER, "cm/s", "its velocity", SUM(vy)) \
     X(OF_PART, height, 0, 0, RP_X_NUMBER, "cm", "highest point of a grain, 0 without grains", SUM(top)) \
-    X(OF_PART, left, 0, 0, RP_X_NUMBER, "cm", "leftmost point", SUM(left)) \
-    X(OF_PART, right, 0, 0, RP_X_NUMBER, "cm", "rightmost point", SUM(right)) \
-    X(OF_PART, marked, 0, 0, RP_X_NUMBER, "", "grains whose position is marked, by where that is", marked(run, use)) \
-    X(OF_PART, moved, 1, 2, RP_X_NUMBER, "", "moved(s, k): marked grains farther than s from their mark, with k contacts or more", moved(run, use, args)) \
+    X(OF_PART, left, 0, 0, RP_X_NUMBER, "cm", "leftmost point, 0 without grains", SUM(left)) \
+    X(OF_PART, right, 0, 0, RP_X_NUMBER, "cm", "rightmost point, 0 without grains", SUM(right)) \
+    X(OF_PART, marked, 0, 0, RP_X_NUMBER, "", "grains whose position is marked, by where that is, taken out since or not", marked(run, use)) \
+    X(OF_PART, moved, 1, 2, RP_X_NUMBER, "", "moved(s, k): marked grains farther than s from their mark, with k contacts or more, and those taken out", moved(run, use, args)) \
     X(OF_PART, cells, 0, 0, RP_X_NUMBER, "", "columns of about d that hold a grain", cells(run, use)) \
     X(OF_PART, rest, 0, 0, RP_X_TRUTH, "", "whether the grains are at rest, by several looks in a row", is_at_rest(run, use)) \
-    X(OF_PART, sliding, 0, 0, RP_X_NUMBER, "", "share of the contacts whose shear force is at Coulomb's limit", sliding(run, use)) \
+    X(OF_PART, sliding, 0, 0, RP_X_NUMBER, "", "share of the contacts that press and whose shear force is at Coulomb's limit; the module limit asks their springs", sliding(run, use)) \
     X(OF_REGION, sxx, 0, 0, RP_X_NUMBER, "dyn/cm", "stress: sum of branch vector times force over area, compression positive", over_contacts(run, use).xx / area_now(run, use)) \
     X(OF_REGION, sxy, 0, 0, RP_X_NUMBER, "dyn/cm", "its mixed component, the mean of the two", over_contacts(run, use).xy / area_now(run, use)) \
     X(OF_REGION, syy, 0, 0, RP_X_NUMBER, "dyn/cm", "its component along y", over_contacts(run, use).yy / area_now(run, use)) \
@@ -404,6 +430,7 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
     for (int k = 0; k < EXP_MODULE_OUTPUTS; k++) out[k] = NAN;
     const rp_status status =
         module->add ? module->add(&view, m->params, samples->sums) : module->evaluate(&view, m->params, out);
+    for (int k = 0; k < EXP_MODULE_OUTPUTS; k++) out[k] = isnan(out[k]) ? NAN : out[k];
     samples->taken += !status;
     return status;
 }
@@ -427,14 +454,16 @@ double exp_observe(void *host, int id, const double args[])
     exp_run *run = host;
     if (id >= EXP_ID_MEASURE) return run->values[id - EXP_ID_MEASURE];
     const exp_use *use = &run->plan->uses[id];
-    return run->failed ? NAN : use->of->value(run, use, args);
+    const double value = run->failed ? NAN : use->of->value(run, use, args);
+    return isnan(value) ? NAN : value; /* one without a sign, which printf would write */
 }
 
 double exp_value(exp_run *run, const exp_expression *e)
 {
     if (e->x.known) return e->x.value;
     const rp_x_values values = {run, exp_observe};
-    return rp_expression_value(&e->x, &values, &run->counters[e->state]);
+    const double value = rp_expression_value(&e->x, &values, &run->counters[e->state]);
+    return isnan(value) ? NAN : value;
 }
 
 bool exp_true(exp_run *run, const exp_expression *e)

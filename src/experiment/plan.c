@@ -34,6 +34,21 @@ static rp_status read_walls(exp_plan *plan)
     return RP_OK;
 }
 
+/* A region whose numbers are all known. */
+static rp_status check_known(const config_setting_t *setting, rp_arena *arena, const exp_region *r)
+{
+    exp_within in = {.circle = r->circle, .n_points = r->n_points};
+    double *points;
+    bool known = true;
+    RP_NEW(arena, points, 2 * r->n_points);
+    in.points = points;
+    for (int k = 0; k < 4; k++) known &= r->at[k].x.known, in.at[k] = r->at[k].x.value;
+    for (size_t k = 0; k < 2 * r->n_points; k++)
+        known &= r->points[k].x.known, points[k] = r->points[k].x.value;
+    const char *fault = known ? exp_region_fault(&in) : NULL;
+    return fault ? rp_config_fail(setting, "%s: %s", r->name, fault) : RP_OK;
+}
+
 static rp_status read_region(const config_setting_t *setting, exp_place *place, exp_region *r)
 {
     const config_setting_t *x = member(setting, "x"), *y = member(setting, "y"),
@@ -44,7 +59,7 @@ static rp_status read_region(const config_setting_t *setting, exp_place *place, 
         return rp_config_fail(setting, "%s: x, y or both, or circle, or polygon expected", r->name);
     for (int k = 0; k < 4; k++)
         r->at[k].x = (rp_expression){.known = true, .value = k % 2 ? INFINITY : -INFINITY};
-    if (circle) return exp_read_list(circle, "circle", 3, place, r->at);
+    if (circle) RP_TRY(exp_read_list(circle, "circle", 3, place, r->at));
     if (polygon && (!config_setting_is_list(polygon) || length(polygon) < 3))
         return rp_config_fail(polygon, "polygon: a list ( (x, y), ... ) of at least 3 points expected");
     r->n_points = length(polygon);
@@ -53,13 +68,13 @@ static rp_status read_region(const config_setting_t *setting, exp_place *place, 
         RP_TRY(exp_read_list(element(polygon, k), "polygon", 2, place, &r->points[2 * k]));
     if (x) RP_TRY(exp_read_list(x, "x", 2, place, r->at));
     if (y) RP_TRY(exp_read_list(y, "y", 2, place, r->at + 2));
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < 2 && !circle; k++) {
         const rp_expression *from = &r->at[2 * k].x, *to = &r->at[2 * k + 1].x;
         if (from->known && to->known && !(from->value < to->value))
             return rp_config_fail(setting, "%s: %s = (%g, %g): from the lower end to the upper", r->name,
                                   k ? "y" : "x", from->value, to->value);
     }
-    return RP_OK;
+    return check_known(setting, &place->plan->arena, r);
 }
 
 static rp_status read_regions(exp_plan *plan)
@@ -184,8 +199,9 @@ const dem_scene_group exp_groups[] = {
      "phases of its own, and repeat or until"},
     {"measure", exp_measure_schema,
      "a list of columns: name; of (an expression, a module or MODULE.OUTPUT); at or during a phase, of "
-     "one that is repeated the mean over its passes; when (a "
-     "condition, of samples); event (a condition, of avalanches); against (an expression, of a line); if (a "
+     "one that is repeated the mean over its passes; during such a phase skip of each pass, a rate the mean "
+     "of theirs; when (a condition, of samples); event (a condition, of avalanches); against (an expression, "
+     "of a line); if (a "
      "condition of lets); columns = [\"NAME\", ...] (the first of its columns, "
      "by these names)"},
     {"regions", exp_no_keys,

@@ -187,10 +187,10 @@ void exp_place_in(exp_place *place, exp_plan *plan);
 rp_status exp_expression_read(const config_setting_t *setting, const char *key, rp_x_type type,
                               exp_place *place, exp_expression *e);
 
-/* Samples of a measure; beside: what it is against, or whether there was an event. And sums over so many, of
- * a module that has a table. */
+/* Samples of a measure; beside: what it is against, or whether there was an event; pass: of those at the
+ * looks of a phase, else 0. And sums over so many, of a module that has a table. */
 typedef struct {
-    double time, value, beside, step;
+    double time, value, beside, step, pass;
 } exp_sampled;
 typedef struct {
     size_t n, room;
@@ -286,7 +286,8 @@ typedef struct {
     const int32_t *kinds; /* by ids from 1 on; NULL: of any kind */
     int32_t kind;
 } exp_within;
-exp_within exp_within_now(exp_run *run, const exp_scope *scope);
+const char *exp_region_fault(const exp_within *region);          /* NULL: none */
+exp_within exp_within_now(exp_run *run, const exp_scope *scope); /* a faulty region ends the run */
 bool exp_is_within(const void *within, uint32_t id, double x, double y);
 
 /* Room for the marks and kinds of ids up to this one. Errors: RP_NO_MEMORY, in run->failed. */

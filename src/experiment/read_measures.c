@@ -132,7 +132,14 @@ static rp_status read_scope(const exp_plan *plan, exp_measure *m)
     if (!*m->in && m->module && (m->module->needs & EXP_BOUNDED))
         return rp_config_fail(m->setting, "measure %s: in: missing (a region with two ends in x)", m->name);
     if (*m->in) m->scope.sort = EXP_REGION;
-    return exp_find(plan, EXP_REGION, m->setting, "in", m->in, &m->scope.index);
+    RP_TRY(exp_find(plan, EXP_REGION, m->setting, "in", m->in, &m->scope.index));
+    const exp_region *r = *m->in ? &plan->regions[m->scope.index] : NULL;
+    const bool within =
+        m->module && m->module->needs & EXP_ON_CONTACTS && (m->module->add || m->module->needs & EXP_BOUNDED);
+    return within && r && (r->circle || r->n_points)
+               ? rp_config_fail(in, "in = \"%s\": of %s, a region of x and y expected", m->in,
+                                m->module->name)
+               : RP_OK;
 }
 
 /* The phase of a measure, and what is made of samples there. */
@@ -297,5 +304,7 @@ rp_status exp_read_measure(exp_plan *plan, size_t k)
     m->states[0] = plan->n_states;
     RP_TRY(exp_read_keys(m->setting, "", keys, &place));
     m->states[1] = plan->n_states;
+    if (m->take == TAKE_VALUE && m->of.x.n_states > 0)
+        return rp_config_fail(member(m->setting, "of"), "change and held need samples, during = \"PHASE\"");
     return RP_OK;
 }

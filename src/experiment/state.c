@@ -8,6 +8,7 @@
 void exp_conclude(exp_run *run, const char *status, const char *format, ...)
 {
     va_list args;
+    if (run->at.done) return; /* the first cause */
     va_start(args, format);
     run->at.done = true;
     snprintf(run->at.end.status, sizeof run->at.end.status, "%s", status);

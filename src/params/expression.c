@@ -108,10 +108,10 @@ static double held(bool holds, double *state)
     return *state = holds ? *state + 1.0 : 0.0;
 }
 
-/* Since the last sample; of the first 0. */
+/* Since the last sample; of the first none. */
 static double change(double a, double state[2])
 {
-    const double by = state[1] != 0.0 ? a - state[0] : 0.0;
+    const double by = state[1] != 0.0 ? a - state[0] : NAN;
     state[0] = a, state[1] = 1.0;
     return by;
 }

@@ -11,14 +11,14 @@ static const size_t LEAST_BLOCKS = 4;
 rp_status stats_blocking(size_t n, const double v[], double work[], stats_series *series)
 {
     *series = (stats_series){n, NAN, NAN, NAN, NAN, NAN, 0};
-    RP_TRY(stats_check_finite(n, v));
-    if (n < LEAST_BLOCKS) return rp_fail(RP_NO_RESULT, "%zu values: at least %zu needed", n, LEAST_BLOCKS);
     const double count = (double)n;
     stats_summary all, means;
-    memcpy(work, v, n * sizeof *work);
-    rp_status status = stats_mean(n, v, &all);
+    RP_TRY(stats_mean(n, v, &all));
     series->mean = all.mean;
     series->sd = all.sd;
+    if (n < LEAST_BLOCKS) return rp_fail(RP_NO_RESULT, "%zu values: at least %zu needed", n, LEAST_BLOCKS);
+    memcpy(work, v, n * sizeof *work);
+    rp_status status = RP_OK;
     double block = 1.0;
     for (size_t blocks = n; !status && blocks >= LEAST_BLOCKS; block *= 2.0) {
         status = stats_mean(blocks, work, &means);

@@ -63,7 +63,8 @@ typedef struct {
  * the first block length B with B^3 > 2 n (se_B/se_1)^4, where the error that is left in se_B by correlation
  * between blocks equals its statistical one (Lee et al. 2011). work[n] is work space.
  * Errors: RP_BAD_INPUT for a value that is not finite; RP_NO_RESULT for n < 4 and where fewer than four
- * blocks of such a length fit in (mean and sd are set): the series is too short for its correlation. */
+ * blocks of such a length fit in (mean and, of two values or more, sd are set): the series is too short for
+ * its correlation. */
 rp_status stats_blocking(size_t n, const double v[], double work[], stats_series *series);
 
 /* Where a series levels off: the start `from`, 0 <= from < n/2, that makes the standard error of the mean of

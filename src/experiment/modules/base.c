@@ -114,6 +114,10 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
     double *x, *top, outward = 0.0, load = 0.0;
     size_t n = 0;
     stress_base base;
+    for (size_t k = 0; k < s->n_walls; k++)
+        if (fabs(dem_wall_now(s->sim, s->walls[k]).direction[0]) > 1e-9)
+            return rp_fail(RP_NO_RESULT, "the wall is not level");
+    const double ground = dem_wall_now(s->sim, s->walls[0]).point[1];
     RP_NEW(&memory, x, 4 * n_contacts);
     RP_NEW(&memory, top, 2 * s->n);
     double *r = x + n_contacts, *N = r + n_contacts, *H = N + n_contacts, *at = top + s->n;
@@ -126,7 +130,7 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
     RP_TRY(stress_base_profile(n, x, r, N, &base));
     for (size_t i = 0; i < n; i++) outward += x[i] > base.centroid ? H[i] : -H[i];
     for (size_t i = 0; i < s->n; i++)
-        at[i] = s->grains[i].x / s->d, top[i] = (s->grains[i].y + s->grains[i].r) / s->d;
+        at[i] = s->grains[i].x / s->d, top[i] = (s->grains[i].y + s->grains[i].r - ground) / s->d;
     out[LOAD] = load, out[CENTROID] = base.centroid * s->d, out[WIDTH] = base.width * s->d;
     out[DIP] = stress_dip(base.N), out[MIDDLE] = stress_middle(base.N), out[SHEAR] = outward / load;
     for (int k = 0; k < STRESS_DIP_BINS; k++) out[N_01 + k] = base.N[k];

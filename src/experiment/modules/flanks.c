@@ -33,26 +33,25 @@ static const exp_output outputs[] = {
     {0}};
 
 /* The flank on one side of the apex's column: the columns outwards until one is empty or below the lowest
- * height, those that are not above the highest. */
-static rp_status flank(const ang_surface *s, size_t apex, int side, const flanks_params *p, double out[])
+ * height, those that are not above the highest; these move together. */
+static rp_status flank(ang_surface *s, size_t apex, int side, const flanks_params *p, double out[])
 {
     static const char *const names[] = {"left", "right"};
     enum { LEAST = 3 };
     const double top = s->h[apex];
     ang_slope slopes[ANG_N_METHODS];
-    size_t first = apex, last = apex, n = 0;
+    size_t lo = apex, hi = apex, n = 0;
     for (size_t k = apex; k < s->n; side ? k++ : k--) { /* below 0 it ends too */
         const size_t gone = side ? s->column[k] - s->column[apex] : s->column[apex] - s->column[k];
         if (s->h[k] < p->from * top || gone != (side ? k - apex : apex - k)) break;
-        if (s->h[k] > p->to * top) continue;
-        if (n++ == 0) first = k;
-        last = k;
+        *(side ? &hi : &lo) = k;
     }
-    const size_t lo = side ? first : last, hi = side ? last : first;
+    for (size_t k = lo; k <= hi; k++)
+        if (s->h[k] <= p->to * top) s->column[lo + n] = s->column[k], s->h[lo + n++] = s->h[k];
     if (n < LEAST)
         return rp_fail(RP_NO_RESULT, "%zu columns on the %s flank; %d or more expected", n, names[side],
                        LEAST);
-    RP_TRY(ang_slopes(hi - lo + 1, s->column + lo, s->h + lo, s->cell, ANG_PARABOLA_FREE, slopes));
+    RP_TRY(ang_slopes(n, s->column + lo, s->h + lo, s->cell, ANG_PARABOLA_FREE, slopes));
     out[side] = (side ? 1.0 : -1.0) * slopes[1].theta * (180.0 / M_PI);
     out[LEFT_ERROR + side] = slopes[1].theta_se * (180.0 / M_PI);
     return RP_OK;

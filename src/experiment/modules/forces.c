@@ -109,15 +109,16 @@ EXP_MODULE(forces, "forces on a level floor, mean stress and balance", "no_pile"
 /* ---- the limit of friction ---- */
 
 enum { FLOOR, WALLS, INSIDE, ALL, FORCE };
-static const exp_output limit_outputs[] = {{"_floor", "", "share of the contacts with the floor"},
-                                           {"_walls", "", "share of those with other walls"},
-                                           {"_inside", "", "share of those between grains"},
-                                           {"_all", "", "share of all"},
-                                           {"_force", "", "share of the normal force that they carry"},
-                                           {0}};
+static const exp_output limit_outputs[] = {
+    {"_floor", "", "share of the contacts with the floor"},
+    {"_walls", "", "share of those with other walls"},
+    {"_inside", "", "share of those between grains"},
+    {"_all", "", "share of all"},
+    {"_force", "", "share of the normal force that they carry, without contacts that pull"},
+    {0}};
 
 /* Has its spring come to the limit of Coulomb's law? It holds mu times the normal force of its last step, so
- * that a thousandth is left for the force's change. */
+ * that a thousandth is left for the force's change. One that pulls is past it. */
 static bool at_limit(const exp_view *s, const dem_contact *c)
 {
     const dem_wall_state wall = c->id_b ? (dem_wall_state){0} : dem_wall_now(s->sim, (size_t)c->wall);
@@ -134,7 +135,8 @@ static rp_status count(const exp_view *s, const void *params, double out[])
         const int where = c->id_b ? INSIDE : is_floor(s, c) ? FLOOR : WALLS;
         const bool slides = at_limit(s, c);
         at[where] += slides, of[where] += 1.0;
-        force_at += slides ? c->normal_force : 0.0, force += c->normal_force;
+        const double pressed = fmax(c->normal_force, 0.0);
+        force_at += slides ? pressed : 0.0, force += pressed;
     }
     for (int k = 0; k <= INSIDE; k++) out[k] = at[k] / of[k];
     out[ALL] = (at[FLOOR] + at[WALLS] + at[INSIDE]) / (of[FLOOR] + of[WALLS] + of[INSIDE]);
@@ -142,5 +144,8 @@ static rp_status count(const exp_view *s, const void *params, double out[])
     return RP_OK;
 }
 
-EXP_MODULE(limit, "contacts that are at the limit of friction", "no_contacts", exp_no_keys, char,
-           limit_outputs, EXP_BOUNDED | EXP_ON_WALL | EXP_ON_CONTACTS, .evaluate = count);
+EXP_MODULE(
+    limit,
+    "contacts, by their first grain in the region, whose spring is at the limit of friction, or that pull",
+    "no_contacts", exp_no_keys, char, limit_outputs, EXP_BOUNDED | EXP_ON_WALL | EXP_ON_CONTACTS,
+    .evaluate = count);

@@ -14,7 +14,7 @@ enum { NONAFFINE, SHARE, MOVES_X, MOVES_Y, MOVES_DEPTH, REACH, ALL_X, ALL_Y, ALL
 #define ZONE(k)                                                                                              \
     {"_surface_" #k, "", "share of the grains that have moved 0.1 d: surface, 1.5 d, quarter " #k},          \
         {"_inside_" #k, "", "the same of the inside, quarter " #k},                                          \
-        {"_floor_" #k, "", "the same of the floor, grains below y = d, quarter " #k},
+        {"_floor_" #k, "", "the same of the floor, grains lower than d, quarter " #k},
 static const exp_output outputs[] = {
     {"_nonaffine", "d", "root mean square displacement less the best affine one"},
     {"_share", "", "share of these squares in those of the displacement about its mean"},
@@ -23,7 +23,7 @@ static const exp_output outputs[] = {
     {"_depth", "d", "the same of the depth below the surface"},
     {"_reach", "d", "displacement that 5 % of the grains exceed"},
     {"_all_x", "", "distance from the left end over the width, mean over the grains"},
-    {"_all_y", "d", "height, mean over the grains"},
+    {"_all_y", "d", "height over the same, mean over the grains"},
     {"_all_depth", "d", "depth below the surface, mean over the grains"},
     ZONE(1) ZONE(2) ZONE(3) ZONE(4){0}};
 
