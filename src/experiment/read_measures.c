@@ -29,7 +29,7 @@ const rp_param exp_measure_schema[] = {
     {"prefix", "", RP_TEXT, IN(prefix), "auto", "",
      "of a module: what its columns' names begin with, which may be nothing; auto: the measure's name"},
     {"in", "", RP_TEXT, IN(in), "", "", "region of a module's grains"},
-    {"wall", "", RP_TEXT, IN(wall), "", "", "wall of the module base"},
+    {"wall", "", RP_TEXT, IN(wall), "", "", "wall of the modules base and forces"},
     {0}};
 
 /* What is made of samples, or a value: endings of columns, with what their meaning begins with. */
@@ -181,15 +181,27 @@ static rp_status read_when(exp_plan *plan, exp_measure *m)
     return RP_OK;
 }
 
-/* The unit of a number: as given; of a module's output, or of an observable that stands alone. */
-static const char *unit_of(exp_plan *plan, const exp_measure *m, const char *of)
+/* The unit of an observable that stands alone. */
+static const char *unit_named(const char *of)
 {
+    const char *dot = of ? strchr(of, '.') : NULL;
+    const exp_observable *o = of ? exp_observable_named(dot ? dot + 1 : of, ~(unsigned)OF_NEW) : NULL;
+    return o ? rp_unit(o->unit) : "";
+}
+
+/* The unit of a column of what is made of samples: as given, or of `of`, over time where it is a rate and
+ * over that of `against` where it is a rise. */
+static const char *unit_of(exp_plan *plan, const exp_measure *m, const char *of, const char *ending)
+{
+    const char *against = config_setting_get_string(member(m->setting, "against")),
+               *over = m->take == TAKE_RATE                                    ? rp_unit("s")
+                       : m->take == TAKE_LINE && strncmp(ending, "_1", 2) == 0 ? unit_named(against)
+                                                                               : "";
+    const char *unit = !m->module     ? unit_named(of)
+                       : m->pick >= 0 ? rp_unit(m->module->outputs[m->pick].unit)
+                                      : "";
     if (*m->unit) return m->unit;
-    if (m->module) return m->pick < 0 ? "" : rp_unit(m->module->outputs[m->pick].unit);
-    const char *dot = of ? strchr(of, '.') : NULL, *name = dot ? dot + 1 : of, *unit;
-    const exp_observable *o = of ? exp_observable_named(name, ~(unsigned)OF_NEW) : NULL;
-    if (m->take != TAKE_RATE) return o ? rp_unit(o->unit) : "";
-    unit = rp_text(&plan->arena, "%s/%s", o && *o->unit ? rp_unit(o->unit) : "1", rp_unit("s"));
+    if (*over) unit = rp_text(&plan->arena, "%s/%s", *unit ? unit : "1", over);
     return unit ? unit : "";
 }
 
@@ -197,12 +209,12 @@ static const char *unit_of(exp_plan *plan, const exp_measure *m, const char *of)
 static rp_status name_outputs(exp_plan *plan, exp_measure *m)
 {
     const bool all = m->module && m->pick < 0; /* numbers of the module */
-    const char *given = config_setting_get_string(member(m->setting, "of")), *unit = unit_of(plan, m, given);
+    const char *given = config_setting_get_string(member(m->setting, "of"));
     char *of = given ? rp_text(&plan->arena, "%s", given) : NULL;
     for (char *c = of; c && (c = strpbrk(c, "\n\r\t"));) *c = ' '; /* a meaning is one line */
     m->output = plan->n_outputs;
     for (const exp_output *o = all ? m->module->outputs : takes[m->take]; o->name; o++)
-        RP_TRY(add_output(plan, m, o->name, all ? rp_unit(o->unit) : unit,
+        RP_TRY(add_output(plan, m, o->name, all ? rp_unit(o->unit) : unit_of(plan, m, given, o->name),
                           all ? o->meaning
                               : rp_text(&plan->arena, "%s%s%s, %s %s", o->meaning, *o->meaning ? " of " : "",
                                         of ? of : "a number", *m->during ? "during" : "at the end of",
