@@ -193,7 +193,8 @@ static const char *unit_named(const char *of)
  * over that of `against` where it is a rise. */
 static const char *unit_of(exp_plan *plan, const exp_measure *m, const char *of, const char *ending)
 {
-    const char *against = config_setting_get_string(member(m->setting, "against")),
+    const config_setting_t *line = member(m->setting, "against");
+    const char *against = line ? config_setting_get_string(line) : NULL,
                *over = m->take == TAKE_RATE                                    ? rp_unit("s")
                        : m->take == TAKE_LINE && strncmp(ending, "_1", 2) == 0 ? unit_named(against)
                                                                                : "";
