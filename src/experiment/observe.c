@@ -250,7 +250,8 @@ static contact_totals over_contacts(exp_run *run, const exp_use *use)
             continue;
         exp_contact_force(c, f);
         const double mu = c->id_b ? exp_laws(run)->mu : dem_wall_now(run->sim, (size_t)c->wall).mu;
-        t.n++, t.sliding += c->normal_force > 0.0 && fabs(c->shear_force) >= 0.999 * mu * c->normal_force;
+        t.n++, t.sliding +=
+               mu > 0.0 && c->normal_force > 0.0 && fabs(c->shear_force) >= 0.999 * mu * c->normal_force;
         t.xx += lx * f[0], t.yy += ly * f[1], t.xy += 0.5 * (lx * f[1] + ly * f[0]);
     }
     return t;
@@ -364,7 +365,7 @@ static double wall_force(exp_run *run, const exp_use *use, int component)
     X(OF_PART, moved, 1, 2, RP_X_NUMBER, "", "moved(s, k): marked grains farther than s from their mark, with k contacts or more, and those taken out", moved(run, use, args)) \
     X(OF_PART, cells, 0, 0, RP_X_NUMBER, "", "columns of about d that hold a grain", cells(run, use)) \
     X(OF_PART, rest, 0, 0, RP_X_TRUTH, "", "whether the grains are at rest, by several looks in a row", is_at_rest(run, use)) \
-    X(OF_PART, sliding, 0, 0, RP_X_NUMBER, "", "share of the contacts that press and whose shear force is at Coulomb's limit; the module limit asks their springs", sliding(run, use)) \
+    X(OF_PART, sliding, 0, 0, RP_X_NUMBER, "", "share of the contacts that press, have friction, and whose shear force is at Coulomb's limit; the module limit asks their springs", sliding(run, use)) \
     X(OF_REGION, sxx, 0, 0, RP_X_NUMBER, "dyn/cm", "stress: sum of branch vector times force over area, compression positive", over_contacts(run, use).xx / area_now(run, use)) \
     X(OF_REGION, sxy, 0, 0, RP_X_NUMBER, "dyn/cm", "its mixed component, the mean of the two", over_contacts(run, use).xy / area_now(run, use)) \
     X(OF_REGION, syy, 0, 0, RP_X_NUMBER, "dyn/cm", "its component along y", over_contacts(run, use).yy / area_now(run, use)) \
