@@ -194,12 +194,14 @@ static const char incline[] =
     "  { name = `again`; dt = 5e-6; walls = { floor = { mu = 0.0; }; }; time = 0.1; } );\n"
     "measure = ( { name = `v0`; of = `vx`; at = `stay`; }, { name = `no`; of = `sliding`; at = `stay`; },\n"
     "  { name = `v1`; of = `vx`; at = `slide`; }, { name = `yes`; of = `sliding`; at = `slide`; },\n"
-    "  { name = `v2`; of = `vx`; at = `again`; }, { name = `T`; of = `time`; } );\n";
+    "  { name = `v2`; of = `vx`; at = `again`; }, { name = `T`; of = `time`; },\n"
+    "  { name = `smooth`; of = `sliding`; at = `again`; } );\n";
 
 static void test_friction_changes(void)
 {
     RUN_TRIAL(t, incline, 777, "ok");
     CU_ASSERT(fabs(measured(&t, "v0")) < 0.1 && measured(&t, "no") == 0.0 && measured(&t, "yes") == 1.0);
+    CHECK_NEAR(measured(&t, "smooth"), 0.0, 0.0);
     CHECK_NEAR(measured(&t, "v1"), 0.1 * (500.0 - 200.0 * sqrt(3.0) / 2.0), 0.2);
     CHECK_NEAR(measured(&t, "v2") - measured(&t, "v1"), 50.0, 0.01);
     CHECK_NEAR(measured(&t, "T"), 0.4, 1e-9);
