@@ -935,6 +935,8 @@ static void bad_definitions(void)
              bad.material.mu = bad.walls[0].material.mu = 0.0),
             "mu_roll = 0.1: needs a tangential law");
     REFUSES(bad.n_walls = 9, "9 walls");
+    REFUSES(bad.normal = (dem_normal_law)99, "normal = 99");
+    REFUSES(bad.integrator = (dem_integrator)99, "integrator = 99");
     static const struct {
         dem_contact c;
         const char *text;

@@ -136,6 +136,11 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
 rp_status dem_create(const dem_definition *def, dem_sim **sim)
 {
     *sim = NULL;
+    if ((unsigned)def->integrator >= DEM_INTEGRATORS || (unsigned)def->normal >= DEM_NORMAL_N ||
+        (unsigned)def->tangential >= DEM_TANGENTIAL_N || (unsigned)def->kernel >= DEM_KERNELS)
+        return rp_fail(RP_BAD_INPUT,
+                       "integrator = %d, normal = %d, tangential = %d, kernel = %d: no such choice",
+                       (int)def->integrator, (int)def->normal, (int)def->tangential, (int)def->kernel);
     dem_definition own = *def;
     rp_status status = dem_physics_resolve(&own);
     if (!status) status = dem_definition_check(&own);
