@@ -15,6 +15,16 @@
 enum { N_STATISTICS = 6 };
 static const char *const statistics_names[N_STATISTICS] = {"mean", "sd", "se", "lo95", "hi95", "n"};
 
+bool sweep_column_is_statistic(const char *name, const char *output)
+{
+    const size_t n = strlen(output);
+    bool is = false;
+    for (int k = 0; k < N_STATISTICS; k++)
+        is |=
+            strncmp(name, output, n) == 0 && name[n] == '_' && strcmp(name + n + 1, statistics_names[k]) == 0;
+    return is;
+}
+
 typedef struct {
     const sweep_plan *plan;
     FILE *out;
