@@ -1489,6 +1489,16 @@ static void test_settings(void)
         "protocol = \"pile\"; replicas = 1; fixed = { base = 4; };\n"
         "derive = ( { table = \"a\"; with = \"correlation\"; of = [\"x\"]; x = \"D\"; y = \"D\"; } );\n");
     FAILS(65, "a reads the runs of x, which must be made first", "sweep make s.cfg -o e/d --tables t");
+    /* what is known of the tables before the first run */
+    static const char *const late[][2] = {
+        {"trace = ( { rows = [99]; } );", "rows: row_99: the sweep has 1 runs, from 0"},
+        {"derive = ( { table = \"mine\"; with = \"compare\"; } );", "t/mine.tsv: nothing in it shows"}};
+    SHELL("mkdir -p t && echo notes >t/mine.tsv");
+    for (int k = 0; k < 2; k++) {
+        write_text("s.cfg", "protocol = \"pile\"; replicas = 1; fixed = { base = 4; }; %s\n", late[k][0]);
+        FAILS(65, late[k][1], "sweep make s.cfg -o e/d --tables t --force");
+        CU_ASSERT(access("e/d/tables/runs.tsv", F_OK) != 0 && strcmp(out, "") == 0);
+    }
 }
 
 /* Shared piles differ only after the opening. */

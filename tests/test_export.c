@@ -215,6 +215,8 @@ static void test_errors(void)
     SHELL("ln -s /dev/full full.gz");
     FAILS(74, "full.gz: cannot write", "export pile --to json -o full.gz");
     SHELL("cp old.tsv pile/contacts.tsv");
+    FAILS(65, "pile/contacts.tsv: not what was written here", "export pile --to lammps");
+    SHELL("rm pile/.repose");
     FAILS(65, "pile/contacts.tsv: no column \"step\"", "export pile --to lammps");
 }
 

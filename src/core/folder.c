@@ -508,6 +508,19 @@ rp_status rp_folder_admit(const char *path, const char *temporary, bool owner)
     return add_lines(&f, name, slash ? slash + 1 : temporary);
 }
 
+rp_status rp_folder_fits(const char *path)
+{
+    RP_ENDS(rp_folder_close) rp_folder f = {0};
+    const char *name;
+    char sum[33];
+    if (open_of(path, &f, &name) || read_marker(&f)) return RP_OK;
+    const rp_own *own = rp_folder_find(&f, name, 0);
+    if (!own || strcmp(own->sum, NO_SUM) == 0 || find_sum(&f, name, sum) || strcmp(own->sum, sum) == 0)
+        return RP_OK;
+    return rp_fail(RP_BAD_INPUT,
+                   "%s: not what was written here (checksum in .repose); copy it elsewhere to use it", path);
+}
+
 rp_status rp_folder_make(const char *path)
 {
     RP_ENDS(rp_folder_close) rp_folder f = {0}, made = {0};

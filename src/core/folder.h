@@ -84,6 +84,10 @@ rp_status rp_folder_make(const char *path);
  * it, or rp_folder_shows; over a file of a result or a sweep only as its `owner`. Errors: RP_BAD_INPUT. */
 rp_status rp_folder_admit(const char *path, const char *temporary, bool owner);
 
+/* Is a file that the marker of its folder lists, with a checksum, still that one? Other files are not looked
+ * at. Errors: RP_BAD_INPUT. */
+rp_status rp_folder_fits(const char *path);
+
 /* Sign a file of a format without a header, whole and flushed, by an attribute of it. Where the file system
  * has none, the program does not replace the file later. */
 void rp_folder_sign(FILE *whole);

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "core/file.h"
+#include "core/folder.h"
 #include "core/version.h"
 #include "params/guess.h"
 #include "params/params.h"
@@ -293,7 +294,9 @@ rp_status rp_table_parse(const char *name, char *text, rp_table *table)
 rp_status rp_table_read(const char *path, rp_table *table)
 {
     *table = (rp_table){.path = path};
-    const rp_status status = rp_file_read(path, &table->text);
+    rp_status status = rp_file_read(path, &table->text);
+    if (!status)
+        status = rp_folder_fits(path); /* with another run's table beside it numbers would be wrong */
     return status ? status : split_text(false, table);
 }
 

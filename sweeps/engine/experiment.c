@@ -296,6 +296,12 @@ static rp_status check_output(const experiment *e, const sweep_output outputs[],
             return rp_fail(RP_BAD_INPUT,
                            "%s: %s and %s differ by capitals alone, which a store does not tell", path,
                            outputs[j].name, name);
+    for (const rp_param *p = e->schema; p->name; p++)
+        if (sweep_column_is_statistic(p->name, name))
+            return rp_fail(RP_BAD_INPUT,
+                           "%s: %s is a let, and what a sweep's points call a statistic of the measure %s; "
+                           "give one another name",
+                           path, p->name, name);
     if (!rp_params_find(e->schema, name)) return RP_OK;
     return rp_fail(RP_BAD_INPUT, "%s: %s is a let and a column of a measure", path, name);
 }

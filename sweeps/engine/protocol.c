@@ -97,3 +97,15 @@ bool sweep_column_is_taken(const char *name, bool in_store)
         taken |= (in_store ? strcasecmp : strcmp)(own[k], name) == 0;
     return taken;
 }
+
+const char *const sweep_statistics[SWEEP_STATISTICS] = {"mean", "sd", "se", "lo95", "hi95", "n"};
+
+bool sweep_column_is_statistic(const char *name, const char *output)
+{
+    const size_t n = strlen(output);
+    bool is = false;
+    for (int k = 0; k < SWEEP_STATISTICS; k++)
+        is |=
+            strncmp(name, output, n) == 0 && name[n] == '_' && strcmp(name + n + 1, sweep_statistics[k]) == 0;
+    return is;
+}

@@ -103,6 +103,11 @@ rp_status sweep_each_word(const rp_param *schema, void *params,
 /* Is this the name of a column that each table has? A store does not tell capitals. */
 bool sweep_column_is_taken(const char *name, bool in_store);
 
+/* What a grid point has of an output's values, as columns y_mean, y_sd, ... of y. Is this one of them? */
+enum { SWEEP_STATISTICS = 6 };
+extern const char *const sweep_statistics[SWEEP_STATISTICS];
+bool sweep_column_is_statistic(const char *name, const char *output);
+
 RP_C_END
 
 #endif

@@ -12,8 +12,7 @@
 #include "core/file.h"
 #include "table/table.h"
 
-enum { N_STATISTICS = 6 };
-static const char *const statistics_names[N_STATISTICS] = {"mean", "sd", "se", "lo95", "hi95", "n"};
+enum { N_STATISTICS = SWEEP_STATISTICS };
 
 typedef struct {
     const sweep_plan *plan;
@@ -153,7 +152,7 @@ static rp_status write_columns(const table *t)
     if (!reduce) fputs("replica, pile, ", list);
     for (size_t i = 0; i < t->n_outputs; i++)
         for (size_t k = 0; k < (reduce ? N_STATISTICS : 1); k++)
-            add_column(list, o[i].name, reduce ? statistics_names[k] : "",
+            add_column(list, o[i].name, reduce ? sweep_statistics[k] : "",
                        reduce && k == N_STATISTICS - 1 ? "" : o[i].unit);
     fputs(reduce ? "n, n_failed, failed_for" : "seconds [s]", list);
     fclose(list);

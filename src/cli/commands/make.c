@@ -243,12 +243,12 @@ static rp_status export_to(const making *m, const char *name, unsigned what)
     return cli_sweep_export(m->call, m->o->o, what, path, NULL);
 }
 
-static rp_status plan_runs(const making *m)
+static rp_status plan_runs(const making *m, sweep_counts *counts)
 {
     const make_options *o = m->o;
     const size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? m->recipe.study : 0;
     RP_TRY(cli_claim_sweep(o->o, m->file, o->force));
-    return sweep_prepare(m->file, o->o, replicas, sweep_protocols, cli_watch(o->quiet), &(sweep_counts){0});
+    return sweep_prepare(m->file, o->o, replicas, sweep_protocols, cli_watch(o->quiet), counts);
 }
 
 static rp_status make_runs(const making *m)
@@ -348,6 +348,24 @@ static rp_status make_step(const making *m, const step *s)
     return status;
 }
 
+/* What a first look shows of the tables, which are made after all runs: a person's file, a row too many. */
+static rp_status check_steps(const making *m, size_t n_runs)
+{
+    const char *path;
+    for (int k = 0; k < 2; k++) {
+        RP_TRY(rp_path(m->call->arena, &path, "%s/%s.tsv", m->tables, k ? "points" : "runs"));
+        if (m->recipe.has_runs) RP_TRY(rp_folder_admit(path, path, false));
+    }
+    for (const step *s = m->first; s; s = s->next) {
+        const bool trace = s->call.command == &cmd_run;
+        RP_TRY(rp_path(m->call->arena, &path, "%s/%s.tsv", m->tables, s->table));
+        RP_TRY(rp_folder_admit(path, path, false));
+        if (trace && *(const long *)cli_value(&s->call, "row") >= (long)n_runs)
+            return rp_config_fail(s->setting, "rows: %s: the sweep has %zu runs, from 0", s->table, n_runs);
+    }
+    return RP_OK;
+}
+
 static rp_status act_make(cli_call *call, const void *values)
 {
     making m = {
@@ -357,7 +375,9 @@ static rp_status act_make(cli_call *call, const void *values)
     if (!status) status = read_list(&m, "derive", read_derive);
     if (!status) status = read_list(&m, "model", read_model);
     m.tables = strcmp(m.o->tables, "auto") ? m.o->tables : rp_text(call->arena, "%s/tables", m.o->o);
-    if (!status && m.recipe.has_runs) status = plan_runs(&m);
+    sweep_counts counts = {0};
+    if (!status && m.recipe.has_runs) status = plan_runs(&m, &counts);
+    if (!status) status = check_steps(&m, counts.planned);
     if (!status) status = rp_make_directory(m.tables); /* after all checks, before the first run */
     if (!status && m.recipe.has_runs) status = make_runs(&m);
     for (const step *s = m.first; s && !status; s = s->next) status = make_step(&m, s);

@@ -37,7 +37,7 @@ static rp_status select_of_table(cli_call *call, rp_table *t, const void *option
 static const cli_command select_rows = {
     "stats select",
     "rows and columns of a table",
-    "TABLE [options]",
+    "TABLE... [options]",
     "Rows and columns of a table, its cells unchanged. TABLE (- for standard input); several tables with the "
     "same columns, one after the other, are read as one.",
     "repose stats select build/tables/li_disorder_runs.tsv --where 'eps<1e-5' --columns disorder,D",
