@@ -240,7 +240,7 @@ static void whole_numbers(void)
         {"text = \"\\\\\"; # 3000000000 \"\nn = 6; /* * 3000000000 **/", NULL},
         {"@include \"/no/such.cfg\"\n", ":1: @include: a file must be whole in itself"},
         {"n = 5;\n  @include  \"more.cfg\"\n", ":2: @include: a file must be whole in itself"},
-        {"text = \"\n@include\"; /*\n@include \"more.cfg\" */", NULL},
+        {"text = \"\n@include\"; /*\n@include \"more.cfg\" */", ":1: text: a text on one line, without tabs"},
     };
     values v;
     for (size_t i = 0; i < sizeof list / sizeof *list; i++)
