@@ -258,7 +258,7 @@ static void particles_from_table(void)
     }
     scoped_scene first = {0};
     file_print(table, "%s", texts[3]);
-    CHECK_OK(grains_read(text, &(rp_texts){1, {"particles_step=0"}}, &first));
+    CHECK_OK(grains_read(text, &(rp_texts){2, {"particles_step=0", "gravity=[0.0,-981]"}}, &first));
     CU_ASSERT(first.def.n_grains == 3 && first.grains[0].x == 9.0 && first.grains[2].r == 0.2);
     grains_refused(text, &(rp_texts){1, {"particles_step=7"}}, ": no rows with step=7");
     /* states say which grains are fixed */
