@@ -231,6 +231,8 @@ static void whole_numbers(void)
         {"n = 0xffffffffffffffffL;", "0xffffffffffffffffL: "},
         {"/**/n=/*\n*/2147483648", ":2: 2147483648: "},
         {"text = \"\\\"\";n = 2147483648;", "2147483648: "},
+        {"\xef\xbb\xbfn = 5;", ":1: begins with a byte-order mark"},
+        {"n = 5;\nn = 6; n = 7;", ":2: duplicate setting name in \"n = 6; n = 7;\""},
         {"n = 10#3000000000\n;", NULL},
         {"n = 10//3000000000\n;", NULL},
         {"n = 0x1f;", NULL},
