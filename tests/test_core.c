@@ -231,6 +231,8 @@ static void whole_numbers(void)
         {"n = 0xffffffffffffffffL;", "0xffffffffffffffffL: "},
         {"/**/n=/*\n*/2147483648", ":2: 2147483648: "},
         {"text = \"\\\"\";n = 2147483648;", "2147483648: "},
+        {"\xef\xbb\xbfn = 5;", ":1: begins with a byte-order mark"},
+        {"n = 5;\nn = 6; n = 7;", ":2: duplicate setting name in \"n = 6; n = 7;\""},
         {"n = 10#3000000000\n;", NULL},
         {"n = 10//3000000000\n;", NULL},
         {"n = 0x1f;", NULL},
@@ -240,7 +242,7 @@ static void whole_numbers(void)
         {"text = \"\\\\\"; # 3000000000 \"\nn = 6; /* * 3000000000 **/", NULL},
         {"@include \"/no/such.cfg\"\n", ":1: @include: a file must be whole in itself"},
         {"n = 5;\n  @include  \"more.cfg\"\n", ":2: @include: a file must be whole in itself"},
-        {"text = \"\n@include\"; /*\n@include \"more.cfg\" */", NULL},
+        {"text = \"\n@include\"; /*\n@include \"more.cfg\" */", ":1: text: a text on one line, without tabs"},
     };
     values v;
     for (size_t i = 0; i < sizeof list / sizeof *list; i++)

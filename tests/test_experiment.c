@@ -812,6 +812,23 @@ static void test_more_modules(void)
     CHECK_EACH(measured(&p, NAME), 0.0, {"l_all", 0.5}, {"l_force", 0.0});
 }
 
+/* The mean grain: of those that are listed some give their mass; a table says the same. */
+static void test_mean_grain(void)
+{
+    static const char listed[] =
+        "particles = ( { x = 0.0; y = 1.0; r = 0.1; m = 0.5; }, { x = 1.0; y = 1.0; r = 0.3; } );",
+                      rest[] =
+                          "let = { D = `d`; }; dt = 5e-5; phases = ( { name = `a`; steps = 1; } );\n"
+                          "measure = ( { name = `M`; of = `m`; }, { name = `all`; of = `mass/grains`; } );\n";
+    write_text("g.tsv", "x y r m\n0 1 0.1 0.5\n1 1 0.3 0.2\n");
+    for (int table = 0; table < 2; table++) {
+        char text[1024];
+        snprintf(text, sizeof text, "%s %s", table ? "particles_file = `g.tsv`;" : listed, rest);
+        RUN_TRIAL(t, text, 100, "ok");
+        CHECK_NEAR(measured(&t, "M"), measured(&t, "all"), 1e-12);
+    }
+}
+
 static void test_refused_more(void)
 {
     static const trial_change cases[] = {
@@ -938,6 +955,6 @@ static void test_random_texts(void)
 CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, test_rest_by_gravity,
                    test_looks_at_rest, test_phases, test_known_so_far, test_forces, test_surface_and_motion,
                    test_walls, test_vibrated, test_modules, test_flanks_of_touching, test_avalanches,
-                   test_limits_of_radii, test_more_modules, test_refused_more, test_cuts, test_kept,
-                   test_started_at, test_words, test_refused, test_keys, test_random_texts, test_run,
-                   test_resumed, test_swept, test_shared_ends, test_sweeps_refused)
+                   test_limits_of_radii, test_more_modules, test_mean_grain, test_refused_more, test_cuts,
+                   test_kept, test_started_at, test_words, test_refused, test_keys, test_random_texts,
+                   test_run, test_resumed, test_swept, test_shared_ends, test_sweeps_refused)

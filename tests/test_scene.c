@@ -117,6 +117,11 @@ static void refused(void)
         {"particles_step = 3;", "particles_step: needs particles_file"},
         {"require = ( (\"1 > 2\", \"never\") );", ":2: never (1 > 2)"},
         {"measure = ( );", ":2: measure: needs phases"},
+        {"material = { E = 1e9; nu = 0.3; restitution = 0.5; mu = 0.3; }; normal = { law = \"linear\"; };",
+         ":2: normal: law and k_n follow from material"},
+        {"material = { E = 1e9; nu = 0.3; restitution = 0.5; mu = 0.3; };\n"
+         "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; E = 1e8; k_n = 1e5; } );",
+         ":3: E and k_n or k_s of a wall; keep one"},
         {"contacts_file = \"c.tsv\";", "contacts_file: needs particles_file"},
         {"colour = 1;", ":2: colour: unknown key"},
         {"partcles = 1;", ":2: partcles: unknown key (did you mean \"particles\"?)"},
@@ -253,7 +258,7 @@ static void particles_from_table(void)
     }
     scoped_scene first = {0};
     file_print(table, "%s", texts[3]);
-    CHECK_OK(grains_read(text, &(rp_texts){1, {"particles_step=0"}}, &first));
+    CHECK_OK(grains_read(text, &(rp_texts){2, {"particles_step=0", "gravity=[0.0,-981]"}}, &first));
     CU_ASSERT(first.def.n_grains == 3 && first.grains[0].x == 9.0 && first.grains[2].r == 0.2);
     grains_refused(text, &(rp_texts){1, {"particles_step=7"}}, ": no rows with step=7");
     /* states say which grains are fixed */
@@ -267,6 +272,10 @@ static void particles_from_table(void)
     fclose(out);
     CHECK_OK(grains_read(text, NULL, &again));
     CU_ASSERT(again.def.n_grains == 3 && again.grains[1].fixed && !again.grains[0].fixed && !*again.unused);
+    file_print(table, "# units: m\tm\tm\nx\ty\tr\n1\t2\t0.1\n");
+    grains_refused(text, NULL, "column 1: unit = m: the text's units are cgs; cm");
+    file_print(table, "x\ty\tr\tstep\n1\t2\t0.1\tnan\n1\t3\t0.1\t0\n");
+    grains_refused(text, NULL, ":2: column 4 step: \"nan\" is not a finite number");
     static const char *const bad[] = {"-0.1", "0"};
     for (int k = 0; k < 2; k++) {
         char says[40];
@@ -441,6 +450,9 @@ static void bed_taken_back(void)
                 "no rows with step=1");
     CHECK_FAILS(grains_read_as(&other, stage, "-0.001", "", table), RP_BAD_INPUT,
                 ": no contact of these grains and walls");
+    file_print(contacts, "step\tid_a\tid_b\twall\tx_b\ty_b\toverlap\tshear_spring\trolling_spring\n"
+                         "60010\t1\t999\t0\t0\t0\t0\t0\t0\n");
+    grains_refused(text, NULL, ":2: id_a = 1, id_b = 999, wall = 0: no such grain or wall");
     folder_remove(folder);
 }
 

@@ -55,7 +55,8 @@ void exp_change_laws(exp_run *run, const exp_phase *p)
     def.ledger = run->plan->scene.def.ledger;
     run->at.now.laws = (size_t)(p - run->plan->phases);
     run->at.most_seen[0] = run->at.most_seen[1] = 0.0;
-    renew(run, p, dem_change(&run->sim, &def), "too_fast");
+    const rp_status status = dem_change(&run->sim, &def);
+    renew(run, p, status, status && strstr(rp_message(), "beyond") ? "outside" : "too_fast");
 }
 
 void exp_remove(exp_run *run, const exp_phase *p)

@@ -472,6 +472,31 @@ bool exp_true(exp_run *run, const exp_expression *e)
     return exp_value(run, e) == 1.0;
 }
 
+/* A condition that counts looks, without another one. */
+static double show(void *host, int id, const double args[])
+{
+    const exp_run *run = host;
+    const exp_use *use = id < EXP_ID_MEASURE ? &run->plan->uses[id] : NULL;
+    return use && use->of->type == RP_X_TRUTH ? run->counters[use->state] : exp_observe(host, id, args);
+}
+
+char *exp_operands(rp_arena *arena, const exp_run *run, const exp_expression *e)
+{
+    return rp_expression_operands(arena, &e->x, &(rp_x_values){(void *)run, show});
+}
+
+double exp_number(exp_run *run, const char *key, const exp_expression *e)
+{
+    const double value = exp_value(run, e);
+    if (!isnan(value) || run->failed || run->at.done) return value;
+    RP_SCOPE(arena);
+    const char *names = exp_operands(&arena, run, e);
+    exp_conclude(run, "nan", "phase %s, step %ld: %s \"%s\" is nan; %s",
+                 run->plan->phases[run->at.phase].name, run->at.phase_step, key, e->x.text,
+                 names ? names : "");
+    return value;
+}
+
 bool exp_asks(const exp_plan *plan, const exp_expression *e, const char *observable)
 {
     int id;

@@ -168,25 +168,6 @@ static void clear(exp_run *run, const size_t states[2])
     for (size_t k = states[0]; k < states[1]; k++) run->counters[k] = 0.0;
 }
 
-/* A condition that counts looks, without another one. */
-static double show(void *host, int id, const double args[])
-{
-    const exp_run *run = host;
-    const exp_use *use = id < EXP_ID_MEASURE ? &run->plan->uses[id] : NULL;
-    return use && use->of->type == RP_X_TRUTH ? run->counters[use->state] : exp_observe(host, id, args);
-}
-
-double exp_number(exp_run *run, const char *key, const exp_expression *e)
-{
-    const double value = exp_value(run, e);
-    if (!isnan(value) || run->failed || run->at.done) return value;
-    RP_SCOPE(arena);
-    const char *names = rp_expression_operands(&arena, &e->x, &(rp_x_values){run, show});
-    exp_conclude(run, "nan", "phase %s, step %ld: %s \"%s\" is nan; %s", phase_of(run)->name,
-                 run->at.phase_step, key, e->x.text, names ? names : "");
-    return value;
-}
-
 /* Gravity and the motion of walls, at the phase's start; before each step those that change. */
 static void set_forces(exp_run *run, const exp_phase *p, bool each_step)
 {
@@ -452,9 +433,8 @@ const char *exp_where(const exp_run *run, char *text, size_t size)
         return snprintf(text, size, "%s", run->at.end.status), text;
     const exp_phase *p = phase_of(run);
     RP_SCOPE(arena);
-    const rp_x_values values = {(void *)run, show};
     if (p->ending == EXP_UNTIL && run->at.started) {
-        const char *now = rp_expression_operands(&arena, &p->end.x, &values);
+        const char *now = exp_operands(&arena, run, &p->end);
         snprintf(text, size, "%s: %s, until %s", p->name, now ? now : "", p->end.x.text);
     } else {
         snprintf(text, size, "%s", p->name);

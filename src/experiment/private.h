@@ -268,6 +268,7 @@ double exp_value(exp_run *run, const exp_expression *e);
 bool exp_true(exp_run *run, const exp_expression *e); /* of a NAN false: a sample that is none */
 /* Of a key of the present phase; a truth is 0 or 1. NAN ends the run. */
 double exp_number(exp_run *run, const char *key, const exp_expression *e);
+char *exp_operands(rp_arena *arena, const exp_run *run, const exp_expression *e); /* for messages */
 
 /* Does an expression ask for this observable; NULL: for any, and not for measures alone? */
 bool exp_asks(const exp_plan *plan, const exp_expression *e, const char *observable);

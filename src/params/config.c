@@ -18,14 +18,15 @@ static void explain(const char *path, const char *error, int line, char hint[256
     *hint = '\0';
     if (strstr(error, "mismatched element type"))
         strcpy(hint, ": [ ] holds one type only; write 0.0 for 0, or use ( )");
-    else if (strstr(error, "syntax error") && !rp_file_read(path, &text)) {
+    else if ((strstr(error, "syntax error") || strstr(error, "duplicate")) && !rp_file_read(path, &text)) {
         const char *at = text;
         while (line-- > 1 && strchr(at, '\n')) at = strchr(at, '\n') + 1;
         if (at[strspn(at, " \t\r\n")])
-            snprintf(hint, 256,
-                     " in \"%.*s\" or before it; expected: key = value; words in quotes, decimal numbers "
-                     "with a point",
-                     (int)(strcspn(at, "\r\n") < 60 ? strcspn(at, "\r\n") : 60), at);
+            snprintf(hint, 256, " in \"%.*s\" or before it%s",
+                     (int)(strcspn(at, "\r\n") < 60 ? strcspn(at, "\r\n") : 60), at,
+                     *error == 'd'
+                         ? ""
+                         : "; expected: key = value; words in quotes, decimal numbers with a point");
         else
             strcpy(hint, " at the end of the file: a value, or } ] ) expected");
     }

@@ -95,6 +95,9 @@ rp_status rp_config_scan_text(const char *name, const char *text)
 {
     scan s = {0};
     int line = 1;
+    if (strncmp(text, "\xef\xbb\xbf", 3) == 0)
+        return rp_fail(RP_BAD_INPUT, "%s:1: begins with a byte-order mark; save it as UTF-8 without one",
+                       name);
     for (const char *p = text; *p;) {
         const char *start = p;
         RP_TRY(rp_prefix(scan_token(&s, text, &p), "%s:%d: ", name, line));

@@ -52,6 +52,7 @@ rp_status dem_read_physics(const config_setting_t *root, dem_scene *scene);
 rp_status dem_read_walls(const config_setting_t *root, dem_scene *scene);
 rp_status dem_read_fills(const config_setting_t *fill, dem_scene *scene);
 rp_status dem_read_grains(const char *path, const config_setting_t *root, dem_scene *scene);
+rp_status dem_read_table(const char *path, dem_scene *scene); /* of particles_file */
 
 /* The first fill that is there, and the first group `add` of phases; NULL: none. What tells the radii and the
  * density of a fill. */

@@ -21,17 +21,25 @@ static void end_scene(dem_scene *scene)
 
 /* Radius of the mean grain, of a fill if wanted the `least`: of the first fill, of the particles, or of what
  * a phase adds first, 0: unknown; shape and density of all are put into the scene. */
-static rp_status mean_grain(const config_setting_t *root, const char *keys, dem_scene *scene, bool least,
-                            double *r)
+static rp_status mean_grain(const dem_text *text, const char *keys, dem_scene *scene, bool least, double *r)
 {
+    const config_setting_t *root = config_root_setting(&text->config);
     const config_setting_t *list = member(root, "particles"), *add = dem_first_add(member(root, "phases")),
                            *fill;
     dem_grain grain = {0};
     dem_fill radii;
     *r = 0.0;
     RP_TRY(rp_config_peek(root, SCHEMA(TOP), keys, scene));
+    RP_TRY(rp_config_peek(root, SCHEMA(TOP), "particles_file particles_step", scene));
     RP_TRY(dem_first_fill(root, &fill));
-    if (!fill && !list && add && member(add, "r")) {
+    if (!fill && *scene->particles_file) {
+        const double density = scene->laws.physics.density;
+        scene->laws.physics.density = 0.0; /* the mass of those that the table gives none */
+        RP_TRY(dem_read_table(text->path, scene));
+        scene->laws.physics.density = density;
+        for (size_t i = 0; i < scene->def.n_grains; i++)
+            *r += scene->grains[i].r / (double)scene->def.n_grains;
+    } else if (!fill && !list && add && member(add, "r")) {
         RP_TRY(rp_config_peek(add, SCHEMA(PARTICLES), "r", &grain));
         *r = grain.r;
     } else if (fill || (!list && add)) {
@@ -46,18 +54,21 @@ static rp_status mean_grain(const config_setting_t *root, const char *keys, dem_
     return RP_OK;
 }
 
-/* Of particles that are listed, of which some give their mass, the mean of these and of others of one mass.
+/* Of grains of which some give their mass, the mean of all, of the others by density; `m` stays if none does.
  */
-static rp_status mean_mass(const config_setting_t *list, double *m)
+static rp_status mean_mass(const config_setting_t *list, const dem_scene *scene, double *m)
 {
-    const double one = *m;
+    const dem_physics *all = &scene->laws.physics;
+    const size_t n = list ? length(list) : scene->def.n_grains;
     double sum = 0.0;
-    for (size_t i = 0; i < length(list); i++) {
-        dem_grain grain = {.m = one};
-        RP_TRY(rp_config_peek(element(list, i), SCHEMA(PARTICLES), "m", &grain));
-        sum += grain.m > 0.0 ? grain.m : one;
+    bool given = false;
+    for (size_t i = 0; i < n; i++) {
+        dem_grain grain = list ? (dem_grain){0} : scene->grains[i];
+        if (list) RP_TRY(rp_config_peek(element(list, i), SCHEMA(PARTICLES), "r m", &grain));
+        given |= grain.m > 0.0;
+        sum += grain.m > 0.0 ? grain.m : dem_mass(all->shape, all->density, grain.r);
     }
-    if (length(list) > 0) *m = sum / (double)length(list);
+    if (given) *m = sum / (double)n;
     return RP_OK;
 }
 
@@ -75,11 +86,11 @@ rp_status dem_know(void *host, rp_let_constant which, double *value)
         if (gravity) RP_TRY(rp_config_pair(gravity, g));
         return *value = rp_hypot(g[0], g[1]), RP_OK;
     }
-    RP_TRY(mean_grain(root, which == RP_LET_M ? "shape density" : "shape", &scene, false, &r));
+    RP_TRY(mean_grain(host, which == RP_LET_M ? "shape density" : "shape", &scene, false, &r));
     if (!(r > 0.0)) return RP_OK;
     *value = which == RP_LET_D ? 2.0 * r : dem_mass(scene.laws.physics.shape, scene.laws.physics.density, r);
     RP_TRY(dem_first_fill(root, &fill));
-    return which == RP_LET_M && !fill ? mean_mass(member(root, "particles"), value) : RP_OK;
+    return which == RP_LET_M && !fill ? mean_mass(member(root, "particles"), &scene, value) : RP_OK;
 }
 
 /* dt_limit(v, r): the largest time step of this file for impacts at v of grains of radius r, by default the
@@ -98,7 +109,7 @@ rp_status dem_call(void *host, const char *name, int n, const double args[], dou
     for (int k = NORMAL; k <= ROLLING; k++) rp_params_defaults(SCHEMA(k), &scene.laws.physics);
     RP_TRY(dem_read_physics(root, &scene));
     RP_TRY(dem_read_walls(root, &scene));
-    RP_TRY(mean_grain(root, "", &scene, true, &r));
+    RP_TRY(mean_grain(text, "", &scene, true, &r));
     if (n == 2) r = args[1];
     if (!(r > 0.0)) return rp_fail(RP_BAD_INPUT, "dt_limit: no grains are known here");
     const double m = dem_mass(scene.laws.physics.shape, scene.laws.physics.density, r);

@@ -17,10 +17,12 @@ static rp_status read_material(const config_setting_t *material, dem_scene *scen
 
 rp_status dem_read_physics(const config_setting_t *root, dem_scene *scene)
 {
-    const config_setting_t *material = member(root, "material");
+    const config_setting_t *material = member(root, "material"), *normal = member(root, "normal");
     dem_definition *def = &scene->def;
     dem_physics *p = &scene->laws.physics;
     if (material) RP_TRY(read_material(material, scene));
+    if (normal && scene->E > 0.0 && (member(normal, "law") || member(normal, "k_n")))
+        return rp_config_fail(normal, "normal: law and k_n follow from material; keep one of the two");
     dem_physics_apply(p, def);
     for (int k = NORMAL; k <= ROLLING; k++) {
         const config_setting_t *group = member(root, dem_scene_schemas[k].name);
@@ -55,7 +57,7 @@ rp_status dem_laws_apply(const dem_scene_laws *laws, const dem_material *given, 
 
 rp_status dem_text_laws(const config_setting_t *group, const dem_scene *scene, dem_scene_laws *laws)
 {
-    dem_scene changed = {.def = scene->def, .laws = *laws};
+    dem_scene changed = {.def = scene->def, .laws = *laws, .E = scene->E};
     RP_TRY(rp_config_peek(group, SCHEMA(TOP), "dt x_min x_max y_min", &changed));
     RP_TRY(dem_read_physics(group, &changed));
     *laws = changed.laws;

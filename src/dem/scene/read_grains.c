@@ -8,6 +8,7 @@
 
 #include "core/elementary.h"
 #include "dem/scene/file.h"
+#include "params/units.h"
 #include "table/columns.h"
 #include "table/where.h"
 
@@ -84,7 +85,10 @@ static rp_status take_step(rp_table *table, long wanted)
 {
     char condition[64];
     const int step = rp_table_column(table, "step");
+    double number;
     if (wanted < 0 && (step < 0 || table->n_rows == 0)) return RP_OK;
+    for (size_t i = 0; step >= 0 && i < table->n_rows; i++)
+        RP_TRY(rp_table_number(table, i, step, false, &number));
     if (wanted < 0)
         snprintf(condition, sizeof condition, "step=%s", rp_cell(table, table->n_rows - 1, step));
     else
@@ -100,6 +104,11 @@ static rp_status read_step(rp_arena *arena, const char *path, const char *name, 
     const int folder = slash && *name != '/' ? (int)(slash - path) + 1 : 0;
     RP_TRY(rp_path(arena, &name, "%.*s%s", folder, path, name));
     RP_TRY(rp_table_keep(arena, name, NULL, table));
+    for (size_t c = 0; c < (*table)->n_columns; c++) {
+        char unit[32];
+        rp_column_unit(*table, (int)c, unit);
+        RP_TRY(rp_prefix(rp_unit_check(unit), "%s: column %zu: ", name, c + 1));
+    }
     return take_step(*table, step);
 }
 
@@ -109,8 +118,7 @@ static int by_number(const void *a, const void *b)
     return (*p > *q) - (*p < *q);
 }
 
-/* The contacts, with their springs, of grains that were read from rows of states; ids rise there. Those with
- * grains and walls that are gone are left out. */
+/* The contacts, with their springs, of grains that were read from rows of states; ids rise there. */
 static rp_status read_contacts(rp_arena *arena, const rp_table *states, const rp_table *table,
                                dem_scene *scene)
 {
@@ -126,7 +134,11 @@ static rp_status read_contacts(rp_arena *arena, const rp_table *states, const rp
         const double *a = bsearch(v, id, n, sizeof *id, by_number),
                      *b = v[m] > 0.0 ? bsearch(v + m, id, n, sizeof *id, by_number) : NULL;
         const bool wall = v[2 * m] >= 1.0 && v[2 * m] <= (double)def->n_walls;
-        if (!a || a == b || (!b && !wall)) continue;
+        if (!a || a == b || (!b && !wall))
+            return rp_fail(RP_BAD_INPUT,
+                           "%s:%zu: id_a = %g, id_b = %g, wall = %g: no such grain or wall; take out the "
+                           "rows of what is gone",
+                           table->path, table->places[k].line, v[0], v[m], v[2 * m]);
         const dem_grain *p = &scene->grains[a - id], *q = &scene->grains[b ? b - id : 0];
         const dem_wall *w = b ? NULL : &dem_walls_of(def)[(size_t)v[2 * m] - 1];
         const double overlap = b ? p->r + q->r - rp_hypot(p->x - q->x, p->y - q->y)
@@ -138,6 +150,10 @@ static rp_status read_contacts(rp_arena *arena, const rp_table *states, const rp
             return rp_fail(RP_BAD_INPUT,
                            "%s:%zu: no contact of these grains and walls, which keep their numbers",
                            table->path, table->places[k].line);
+        if (!(fabs(v[6 * m]) <= p->r && fabs(v[7 * m]) <= p->r))
+            return rp_fail(RP_BAD_INPUT,
+                           "%s:%zu: shear_spring = %g, rolling_spring = %g: at most the radius %g",
+                           table->path, table->places[k].line, v[6 * m], v[7 * m], p->r);
         c[def->n_contacts++] = (dem_contact){.id_a = (uint32_t)(a - id) + 1,
                                              .id_b = b ? (uint32_t)(b - id) + 1 : 0,
                                              .wall = b ? -1 : (int)v[2 * m] - 1,
@@ -150,7 +166,7 @@ static rp_status read_contacts(rp_arena *arena, const rp_table *states, const rp
 /* Columns of grains, and those of states that follow from them. */
 #define USED ",x,y,r,m,vx,vy,angle,omega,fixed,step,t,id,fx,fy,contacts,index,"
 
-static rp_status read_table(const char *path, dem_scene *scene)
+rp_status dem_read_table(const char *path, dem_scene *scene)
 {
     rp_table *table, *contacts;
     RP_SCOPE(arena);
@@ -190,5 +206,5 @@ rp_status dem_read_grains(const char *path, const config_setting_t *root, dem_sc
         return rp_fail(RP_BAD_INPUT, "%s: contacts_file: its table does not have the wells of a ground",
                        path);
     if (fill) RP_TRY(dem_read_fills(fill, scene));
-    return list ? read_particles(list, scene) : from_table ? read_table(path, scene) : RP_OK;
+    return list ? read_particles(list, scene) : from_table ? dem_read_table(path, scene) : RP_OK;
 }

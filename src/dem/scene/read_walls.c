@@ -87,6 +87,8 @@ static rp_status use_material(const config_setting_t *setting, const dem_scene *
         return wall->E > 0.0 || wall->nu >= 0.0
                    ? rp_config_fail(setting, "E, nu: of a wall need the grains' in material = { E; nu; ... }")
                    : RP_OK;
+    if (wall->E > 0.0 && (m->k_n >= 0.0 || m->k_s >= 0.0))
+        return rp_config_fail(setting, "E and k_n or k_s of a wall; keep one");
     const double E[2] = {scene->E, wall->E > 0.0 ? wall->E : scene->E},
                  nu[2] = {scene->nu, wall->nu >= 0.0 ? wall->nu : scene->nu};
     dem_elastic_contact(E, nu, &k_n, &k_s);

@@ -11,8 +11,12 @@
 static rp_status read_value(const char *value, config_t *one)
 {
     char line[512];
-    for (int quoted = 0; quoted < 2; quoted++) {
-        const int n = snprintf(line, sizeof line, quoted ? "v = \"%s\";" : "v = %s;", value);
+    for (int quoted = 0; quoted < 3; quoted++) {
+        const int last = (int)strlen(value) - 1;
+        const bool list = *value == '[' && value[last] == ']'; /* of one type in libconfig, as ( ) is not */
+        if (quoted == 1 && !list) continue;
+        const int n = quoted == 1 ? snprintf(line, sizeof line, "v = (%.*s);", last - 1, value + 1)
+                                  : snprintf(line, sizeof line, quoted ? "v = \"%s\";" : "v = %s;", value);
         if (n >= (int)sizeof line) return rp_fail(RP_BAD_INPUT, "--set: a value of more than 500 bytes");
         RP_TRY(rp_config_scan_text("--set", line));
         if (config_read_string(one, line) && length(config_root_setting(one)) == 1) return RP_OK;
