@@ -101,24 +101,28 @@ static void test_phases(void)
     static const char text[] =
         "dt = 1.0e-4; let = { turns = true; rate = 0.01; };\n"
         "walls = ( { name = `floor`; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
-        "tangential = { law = `spring`; mu = 1.0; }; particles = ( { x = 1.0; y = 0.1; r = 0.1; } );\n"
+        "tangential = { law = `spring`; mu = 1.0; }; particles = ( { x = 1.0; y = 0.1; r = 0.1; m = 0.01; }, "
+        "{ x = "
+        "9.0; y = 5.2; r = 0.1; m = 0.01; } );\n"
         "result = `ok_turned`;\n"
         "phases = ( { name = `never`; if = `not turns`; steps = 100; },\n"
         "  { name = `steps`; repeat = 6; until = `tilt_deg > 4.5`; phases = (\n"
         "    { name = `turn`; gravity_turn_deg_per_step = `rate`; steps = `round(1/rate)`; },\n"
         "    { name = `no`; if = `rate > 1`; steps = 1; },\n"
         "    { name = `wait`; gravity_turn_deg_per_step = 0.0; time = 0.01; } ); },\n"
-        "  { name = `back`; gravity = (0.0, -981.0); steps = 3; } );\n"
+        "  { name = `back`; gravity = (0.0, -500.0); steps = 3; } );\n"
         "measure = ( { name = `tilt`; of = `tilt_deg`; at = `wait`; take = `max`; },\n"
         "  { name = `passes`; of = `pass`; at = `wait`; take = `max`; series = true; },\n"
         "  { name = `speed`; of = `tilt_deg`; during = `turn`; every = 10; take = `rate`; skip = 0.5; },\n"
         "  { name = `later`; of = `phase_step`; during = `turn`; every = 10; take = `first`; skip = 0.5; },\n"
         "  { name = `none`; of = `t`; during = `turn`; take = `avalanches`; every = 10; drop = 0.005; "
         "optional = true; },\n"
-        "  { name = `nothing`; of = `tilt_deg`; at = `never`; }, { name = `steps`; of = `step`; } );\n";
+        "  { name = `nothing`; of = `tilt_deg`; at = `never`; }, { name = `steps`; of = `step`; },\n"
+        "  { name = `falls`; of = `imbalance`; } );\n";
     RUN_TRIAL(t, text, 37, "ok_turned");
     CHECK_EACH(measured(&t, NAME), 1e-9, {"tilt", 5.0}, {"passes", 5.0}, {"steps", 5.0 * 200.0 + 3.0},
-               {"speed", 100.0}, {"later", 60.0}, {"none_n", 0.0}); /* of each pass */
+               {"speed", 100.0}, {"later", 60.0}, {"none_n", 0.0}, /* of each pass */
+               {"falls", 1.0});
     CU_ASSERT(isnan(measured(&t, "nothing")) && exp_steps(t.run) == 1003);
     CU_ASSERT(!exp_series_name(t.plan, 1) && strcmp(exp_series_name(t.plan, 0), "series_passes.tsv") == 0);
 }

@@ -105,14 +105,24 @@ typedef struct {
     double lo, hi; /* x of the outermost centres */
 } totals;
 
+/* Present |gravity|: the file's, with its bits, unless a phase has changed it. */
+static double gravity_now(const exp_run *run)
+{
+    double g[2];
+    dem_gravity(run->sim, g);
+    const double now = sqrt(g[0] * g[0] + g[1] * g[1]);
+    return fabs(now - run->plan->g) > 1e-9 * run->plan->g ? now : run->plan->g;
+}
+
 static totals totals_of(exp_run *run, const exp_use *use)
 {
     totals t = {.left = INFINITY, .right = -INFINITY, .top = -INFINITY, .lo = INFINITY, .hi = -INFINITY};
     const exp_plan *plan = run->plan;
+    const double g = gravity_now(run);
     EACH(w)
     {
         const dem_state *s = &w.s;
-        const double v2 = s->vx * s->vx + s->vy * s->vy, weight = s->m * plan->g,
+        const double v2 = s->vx * s->vx + s->vy * s->vy, weight = s->m * g,
                      f = sqrt(s->fx * s->fx + s->fy * s->fy);
         t.n++, t.few += s->contacts < 2, t.mass += s->m, t.area += M_PI * s->r * s->r;
         t.x += s->m * s->x, t.y += s->m * s->y, t.vx += s->m * s->vx, t.vy += s->m * s->vy;
@@ -369,7 +379,7 @@ static double wall_force(exp_run *run, const exp_use *use, int component)
     X(OF_REGION, sxx, 0, 0, RP_X_NUMBER, "dyn/cm", "stress: sum of branch vector times force over area, compression positive", over_contacts(run, use).xx / area_now(run, use)) \
     X(OF_REGION, sxy, 0, 0, RP_X_NUMBER, "dyn/cm", "its mixed component, the mean of the two", over_contacts(run, use).xy / area_now(run, use)) \
     X(OF_REGION, syy, 0, 0, RP_X_NUMBER, "dyn/cm", "its component along y", over_contacts(run, use).yy / area_now(run, use)) \
-    X(OF_REGION, fraction, 0, 0, RP_X_NUMBER, "", "area of the grains over that of the region", SUM(area) / area_now(run, use)) \
+    X(OF_REGION, fraction, 0, 0, RP_X_NUMBER, "", "area of the grains with their centre in it over that of the region", SUM(area) / area_now(run, use)) \
     X(OF_WALL, x, 0, 0, RP_X_NUMBER, "cm", "the wall's pivot, of a whole line its point", wall_place(run, use, 0)) \
     X(OF_WALL, y, 0, 0, RP_X_NUMBER, "cm", "the wall's pivot, of a whole line its point", wall_place(run, use, 1)) \
     X(OF_WALL, vx, 0, 0, RP_X_NUMBER, "cm/s", "its velocity", wall_now(run, use, 0).velocity[0]) \

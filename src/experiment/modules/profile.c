@@ -90,5 +90,7 @@ static void write(const void *params, double samples, const double sums[], FILE 
     }
 }
 
-EXP_MODULE(profile, "fraction, velocity and stress in bins of a region: a table alone", "no_region", schema,
-           profile_params, outputs, EXP_ON_CONTACTS, .room = room, .add = add, .write = write);
+EXP_MODULE(profile,
+           "fraction and velocity of grains by their centres, and stress, in bins of a region: a table alone",
+           "no_region", schema, profile_params, outputs, EXP_ON_CONTACTS, .room = room, .add = add,
+           .write = write);

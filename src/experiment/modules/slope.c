@@ -30,7 +30,7 @@ static const exp_output outputs[] = {
     {"_r3_error_deg", "degree", "standard error of the last, from the scatter of the heights"},
     {"_r12_deg", "degree", "the first less the second"},
     {"_r23_deg", "degree", "the second less the third"},
-    {"_cells", "", "columns that hold a grain"},
+    {"_cells", "", "columns that hold a grain, also those left out"},
     {0}};
 
 /* The columns of a surface that count, [first, first + n). Afterwards ang_surface_free, also after an error.
