@@ -1,7 +1,10 @@
 /* Protocol `flux`, a text: position and time of each new grain, and outputs of the series. */
+#include <gsl/gsl_cdf.h>
+#include <math.h>
 #include <string.h>
 
 #include "experiment/modules/module.h"
+#include "stats/stats.h"
 #include "tests/check.h"
 #include "tests/numbers.h"
 #include "tests/protocol.h"
@@ -122,6 +125,14 @@ static void outputs_from_series(void)
     CHECK_NEAR(output(&t, "theta_deg"), mean, round_off);
     CHECK_NEAR(output(&t, "theta_sd_deg"), sqrt((squares - kept * mean * mean) / (kept - 1.0)),
                1e3 * round_off);
+    stats_series b; /* of few blocks, widened by Student's t */
+    double theta[148], work[148];
+    for (size_t k = from; k < n; k++) theta[k - from] = cell(&t.series, k, "theta");
+    CHECK_OK(stats_blocking(n - from, theta, work, &b));
+    const double blocks = floor(kept / (double)b.block);
+    CU_ASSERT(blocks < 20.0);
+    CHECK_NEAR(output(&t, "theta_se_deg"), b.se * gsl_cdf_tdist_Pinv(0.975, blocks - 1.0) / 1.959963984540054,
+               round_off);
     CU_ASSERT(output(&t, "theta_max_deg") == most && output(&t, "avalanches") > 2.0);
     CU_ASSERT(output(&t, "decorrelated") > 2.0 && output(&t, "decorrelated") < kept);
     CHECK_NEAR(output(&t, "theta_ms_less_r_deg"),

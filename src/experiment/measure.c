@@ -1,4 +1,5 @@
 /* Measures: samples of a phase, and what is made of them. */
+#include <gsl/gsl_cdf.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -136,7 +137,7 @@ static rp_status take_counting(const exp_run *run, const exp_measure *m, rp_aren
     return RP_OK;
 }
 
-enum { BLOCKS = 10 };
+enum { BLOCKS = 10, FEW = 20 };
 
 static double rate_between(const exp_sampled *lo, const exp_sampled *hi)
 {
@@ -255,6 +256,10 @@ static rp_status reduce(const exp_run *run, const exp_measure *m, double out[])
     (void)stats_blocking(s.n, v, work, &series); /* a mean without an error is one */
     if (isfinite(series.mean)) out[0] = series.mean;
     out[1] = series.sd, out[2] = series.se;
+    /* of few blocks widened, so that 2 se hold 95 % */
+    const size_t blocks = series.block ? series.n / series.block : 0;
+    if (blocks > 0 && blocks < FEW)
+        out[2] *= gsl_cdf_tdist_Pinv(0.975, (double)blocks - 1.0) / gsl_cdf_ugaussian_Pinv(0.975);
     out[3] = isfinite(series.tau) ? (double)series.n / fmax(2.0 * series.tau, 1.0) : NAN;
     return RP_OK;
 }

@@ -38,7 +38,7 @@ static const exp_output takes[][MOST_OUTPUTS + 1] = {
     [TAKE_VALUE] = {{"", NULL, ""}},
     [TAKE_MEAN] = {{"", NULL, "mean"},
                    {"_sd", NULL, "standard deviation of the samples"},
-                   {"_se", NULL, "standard error of the mean, by blocking"},
+                   {"_se", NULL, "standard error of the mean, by blocking (of few blocks by Student's t)"},
                    {"_n", NULL, "decorrelated samples"}},
     [TAKE_MAX] = {{"", NULL, "max"}},
     [TAKE_MIN] = {{"", NULL, "min"}},
