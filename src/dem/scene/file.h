@@ -54,9 +54,9 @@ rp_status dem_read_fills(const config_setting_t *fill, dem_scene *scene);
 rp_status dem_read_grains(const char *path, const config_setting_t *root, dem_scene *scene);
 rp_status dem_read_table(const char *path, dem_scene *scene); /* of particles_file */
 
-/* The first fill that is there, and the first group `add` of phases; NULL: none. What tells the radii and the
- * density of a fill. */
-rp_status dem_first_fill(const config_setting_t *root, const config_setting_t **fill);
+/* The next fill that is there, from *k on, and the first group `add` of phases; NULL: none. What tells the
+ * radii and the density of a fill. */
+rp_status dem_next_fill(const config_setting_t *root, size_t *k, const config_setting_t **next);
 const config_setting_t *dem_first_add(const config_setting_t *phases);
 rp_status dem_peek_radii(rp_arena *arena, const config_setting_t *group, dem_fill *fill);
 

@@ -19,9 +19,9 @@ static void end_scene(dem_scene *scene)
     RP_ENDS(end_scene) dem_scene name = {.def = dem_definition_default()};                                   \
     rp_params_defaults(SCHEMA(TOP), &name)
 
-/* Radius of the mean grain, of a fill if wanted the `least`: of the first fill, of the particles, or of what
- * a phase adds first, 0: unknown; shape and density of all are put into the scene. */
-static rp_status mean_grain(const dem_text *text, const char *keys, dem_scene *scene, bool least, double *r)
+/* Radius of the mean grain: of the first fill, of the particles, or of what a phase adds first, 0: unknown;
+ * shape and density of all are put into the scene. */
+static rp_status mean_grain(const dem_text *text, const char *keys, dem_scene *scene, double *r)
 {
     const config_setting_t *root = config_root_setting(&text->config);
     const config_setting_t *list = member(root, "particles"), *add = dem_first_add(member(root, "phases")),
@@ -31,7 +31,7 @@ static rp_status mean_grain(const dem_text *text, const char *keys, dem_scene *s
     *r = 0.0;
     RP_TRY(rp_config_peek(root, SCHEMA(TOP), keys, scene));
     RP_TRY(rp_config_peek(root, SCHEMA(TOP), "particles_file particles_step", scene));
-    RP_TRY(dem_first_fill(root, &fill));
+    RP_TRY(dem_next_fill(root, &(size_t){0}, &fill));
     if (!fill && *scene->particles_file) {
         const double density = scene->laws.physics.density;
         scene->laws.physics.density = 0.0; /* the mass of those that the table gives none */
@@ -44,7 +44,7 @@ static rp_status mean_grain(const dem_text *text, const char *keys, dem_scene *s
         *r = grain.r;
     } else if (fill || (!list && add)) {
         RP_TRY(dem_peek_radii(&scene->arena, fill ? fill : add, &radii));
-        *r = fill && least ? dem_radius_least(&radii) : dem_radius_mean(&radii);
+        *r = dem_radius_mean(&radii);
         if (radii.density > 0.0) scene->laws.physics.density = radii.density;
     }
     for (size_t i = 0; !fill && i < length(list); i++, grain.r = 0.0) {
@@ -86,22 +86,57 @@ rp_status dem_know(void *host, rp_let_constant which, double *value)
         if (gravity) RP_TRY(rp_config_pair(gravity, g));
         return *value = rp_hypot(g[0], g[1]), RP_OK;
     }
-    RP_TRY(mean_grain(host, which == RP_LET_M ? "shape density" : "shape", &scene, false, &r));
+    RP_TRY(mean_grain(host, which == RP_LET_M ? "shape density" : "shape", &scene, &r));
     if (!(r > 0.0)) return RP_OK;
     *value = which == RP_LET_D ? 2.0 * r : dem_mass(scene.laws.physics.shape, scene.laws.physics.density, r);
-    RP_TRY(dem_first_fill(root, &fill));
+    RP_TRY(dem_next_fill(root, &(size_t){0}, &fill));
     return which == RP_LET_M && !fill ? mean_mass(member(root, "particles"), &scene, value) : RP_OK;
 }
 
-/* dt_limit(v, r): the largest time step of this file for impacts at v of grains of radius r, by default the
- * smallest of its first fill; the fall from any height aside. */
+/* The largest step for impacts at v of two such grains, by density if without a mass, where it is below
+ * *least. */
+static void limit_of(dem_scene *scene, double v, dem_grain grain, double density, double *least)
+{
+    dem_definition *def = &scene->def;
+    const double r = grain.r, m = grain.m > 0.0 ? grain.m : dem_mass(scene->laws.physics.shape, density, r);
+    const dem_grain two[2] = {{.r = r, .m = m, .vx = 0.5 * v}, {.x = 3.0 * r, .r = r, .m = m}};
+    def->grains = two, def->n_grains = 2;
+    def->gravity[0] = def->gravity[1] = 0.0;
+    *least = fmin(*least, dem_time_step_limit(def, NULL));
+}
+
+/* The same of all fills and particles, the smallest of each. */
+static rp_status limit_of_all(const dem_text *text, dem_scene *scene, double v, double density, double *least)
+{
+    const config_setting_t *root = config_root_setting(&text->config), *list = member(root, "particles"),
+                           *fill;
+    const size_t n_read = list ? 0 : scene->def.n_grains;
+    size_t next = 0;
+    for (;;) {
+        dem_fill radii;
+        RP_TRY(dem_next_fill(root, &next, &fill));
+        if (!fill) break;
+        RP_TRY(dem_peek_radii(&scene->arena, fill, &radii));
+        limit_of(scene, v, (dem_grain){.r = dem_radius_least(&radii)},
+                 radii.density > 0.0 ? radii.density : density, least);
+    }
+    for (size_t i = 0; i < length(list); i++) {
+        dem_grain grain = {0};
+        RP_TRY(rp_config_peek(element(list, i), SCHEMA(PARTICLES), "r m", &grain));
+        limit_of(scene, v, grain, density, least);
+    }
+    for (size_t i = 0; i < n_read; i++) limit_of(scene, v, scene->grains[i], density, least);
+    return RP_OK;
+}
+
+/* dt_limit(v, r): the largest time step of this file for impacts at v of grains of radius r, by default of
+ * all that are there at the start, or of the first that a phase adds; the fall from any height aside. */
 rp_status dem_call(void *host, const char *name, int n, const double args[], double *value, bool *known)
 {
     const dem_text *text = ((rp_lets *)host)->host;
     const config_setting_t *root = config_root_setting(&text->config);
     PART_OF_SCENE(scene);
-    dem_definition *def = &scene.def;
-    double r;
+    double r, density;
     if (strcmp(name, "dt_limit") != 0) return RP_OK;
     if (n < 1 || n > 2 || !(args[0] >= 0.0) || isinf(args[0]) || (n == 2 && !(args[1] > 0.0)))
         return rp_fail(RP_BAD_INPUT, "dt_limit: a speed and, if wanted, a radius expected");
@@ -109,15 +144,14 @@ rp_status dem_call(void *host, const char *name, int n, const double args[], dou
     for (int k = NORMAL; k <= ROLLING; k++) rp_params_defaults(SCHEMA(k), &scene.laws.physics);
     RP_TRY(dem_read_physics(root, &scene));
     RP_TRY(dem_read_walls(root, &scene));
-    RP_TRY(mean_grain(text, "", &scene, true, &r));
+    density = scene.laws.physics.density;
+    RP_TRY(mean_grain(text, "", &scene, &r));
     if (n == 2) r = args[1];
     if (!(r > 0.0)) return rp_fail(RP_BAD_INPUT, "dt_limit: no grains are known here");
-    const double m = dem_mass(scene.laws.physics.shape, scene.laws.physics.density, r);
-    const dem_grain two[2] = {{.r = r, .m = m, .vx = 0.5 * args[0]}, {.x = 3.0 * r, .r = r, .m = m}};
-    def->grains = two, def->n_grains = 2;
-    def->gravity[0] = def->gravity[1] = 0.0;
     *known = true;
-    *value = dem_time_step_limit(def, NULL);
+    *value = INFINITY;
+    if (n == 1) RP_TRY(limit_of_all(text, &scene, args[0], density, value));
+    if (isinf(*value)) limit_of(&scene, args[0], (dem_grain){.r = r}, scene.laws.physics.density, value);
     return RP_OK;
 }
 

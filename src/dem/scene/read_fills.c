@@ -87,13 +87,13 @@ static const config_setting_t *fill_at(const config_setting_t *fill, size_t k)
     return k == 0 ? fill : NULL;
 }
 
-rp_status dem_first_fill(const config_setting_t *root, const config_setting_t **first)
+rp_status dem_next_fill(const config_setting_t *root, size_t *k, const config_setting_t **next)
 {
     const config_setting_t *fill = member(root, "fill");
-    bool wanted;
-    for (size_t k = 0; (*first = fill_at(fill, k)); k++) {
-        RP_TRY(dem_is_wanted(*first, &wanted));
-        if (wanted && config_setting_is_group(*first)) break;
+    bool wanted = false;
+    while (!wanted && (*next = fill_at(fill, (*k)++))) {
+        RP_TRY(dem_is_wanted(*next, &wanted));
+        wanted &= config_setting_is_group(*next);
     }
     return RP_OK;
 }
