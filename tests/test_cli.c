@@ -646,6 +646,7 @@ static void test_slope_anywhere(void)
     for (int down = 0; down < 2; down++) {
         scoped_table t = TABLE_OF("angle slope heap.csv %s", down ? "--y-axis down" : "");
         CU_ASSERT_FATAL(t.n_rows == 9 && !*err);
+        CHECK_NEAR(cell(&t, 0, "n_occupied"), 172.0, 0.0); /* from 10 to 90 of a height of 100: 22 to 193 */
         for (size_t i = 0; i < 9; i++) {
             CU_ASSERT_STRING_EQUAL(word(&t, i, "status"), words[i / 3]);
             CHECK_NEAR(cell(&t, i, "theta_deg"), 25.0 * (down && i < 6 ? -1.0 : 1.0) * signs[i / 3], 1e-9);

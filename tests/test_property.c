@@ -232,6 +232,11 @@ static double differ(const points *p, const points *q, bool mirror, bool errors)
                            errors ? change / fmax(2.0 * hypot(s->theta_se, t->theta_se), 0.2 * M_PI / 180.0)
                                   : larger(change / fabs(s->theta), fabs(s->theta_se - t->theta_se)) / 1e-9);
         }
+    for (int m = 0; m < ANG_N_METHODS && !errors;
+         m++) { /* the error of a tangent is that of the angle over cos^2 */
+        const ang_slope *s = &a.mean[m];
+        worst = larger(worst, fabs(s->slope_se * pow(cos(s->theta), 2.0) - s->theta_se) / 1e-9);
+    }
     return worst;
 }
 
