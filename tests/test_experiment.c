@@ -895,6 +895,7 @@ static void test_refused_more(void)
         /* known to the run alone */
         {lift, "`v`", "`v*(1e5 + y)`", "too_fast"},
         {lift, "`v`", "`sqrt(-y) > 1 ? 1 : v`", "nan"},
+        {lift, "every = 10;", "x_max = -9.0; every = 10;", "outside"},
         {lift, "measure = ( {",
          "regions = { up = { x = (0.0, `1 - step`); }; }; measure = ( { name = `s`; of = `up.x`; }, {",
          "no_region"}};

@@ -49,14 +49,23 @@ static void renew(exp_run *run, const exp_phase *p, rp_status status, const char
         run->failed = status;
 }
 
+/* Is a grain beyond the x where this phase takes grains out? */
+static bool has_outside(exp_run *run, const dem_definition *def)
+{
+    const dem_state *s = exp_states(run);
+    bool outside = false;
+    for (size_t i = 0; s && i < run->n_states; i++) outside |= s[i].x < def->x_min || s[i].x > def->x_max;
+    return outside;
+}
+
 void exp_change_laws(exp_run *run, const exp_phase *p)
 {
     dem_definition def = p->def;
     def.ledger = run->plan->scene.def.ledger;
     run->at.now.laws = (size_t)(p - run->plan->phases);
     run->at.most_seen[0] = run->at.most_seen[1] = 0.0;
-    const rp_status status = dem_change(&run->sim, &def);
-    renew(run, p, status, status && strstr(rp_message(), "beyond") ? "outside" : "too_fast");
+    const char *const word = has_outside(run, &def) ? "outside" : "too_fast";
+    renew(run, p, dem_change(&run->sim, &def), word);
 }
 
 void exp_remove(exp_run *run, const exp_phase *p)

@@ -91,6 +91,7 @@ void exp_series_write(const exp_run *run, size_t k, FILE *out);
 
 /* Write the state of a run into a snapshot, or read it into one that has been started. */
 void exp_keep(rp_snapshot *s, exp_run *run);
+uint64_t exp_keep_layout(void); /* a number that changes with what a snapshot holds */
 
 /* The states at the ends of phases with `keep`, from which a run that begins alike may start: 32 digits of
  * such a beginning, with these streams (errors: RP_NO_MEMORY); the bytes, which a run has once

@@ -515,6 +515,11 @@ static void keep_ids(rp_snapshot *s, exp_run *run)
     rp_keep_check(s, known, ANOTHER);
 }
 
+uint64_t exp_keep_layout(void)
+{
+    return sizeof((exp_run *)NULL)->at << 10 ^ sizeof(exp_sampled);
+}
+
 /* n: of how many phases the ends are kept. */
 static void keep_state(rp_snapshot *s, exp_run *run, size_t n)
 {

@@ -198,10 +198,8 @@ const dem_scene_group exp_groups[] = {
      "grains: add = { N; kind; r, or radii as of a fill; density; x; y; vx; vy; omega; gap; }. A block has "
      "phases of its own, and repeat or until"},
     {"measure", exp_measure_schema,
-     "a list of columns: name; of (an expression, a module or MODULE.OUTPUT); at or during a phase, of "
-     "one that is repeated the mean over its passes; during such a phase skip of each pass, a rate the mean "
-     "of theirs; when (a condition, of samples); event (a condition, of avalanches); against (an expression, "
-     "of a line); if (a "
+     "a list of columns: name; of (an expression, a module or MODULE.OUTPUT); at or during a phase; when (a "
+     "condition, of samples); event (a condition, of avalanches); against (an expression, of a line); if (a "
      "condition of lets); columns = [\"NAME\", ...] (the first of its columns, "
      "by these names)"},
     {"regions", exp_no_keys,

@@ -10,18 +10,22 @@
 #define IN(field) offsetof(exp_measure, field)
 const rp_param exp_measure_schema[] = {
     {"name", "", RP_TEXT, IN(name), NULL, "", "of the column"},
-    {"at", "", RP_TEXT, IN(at), "", "", "phase at whose end; default: the last that is not left out"},
+    {"at", "", RP_TEXT, IN(at), "", "",
+     "phase at whose end, the mean over its passes if it is repeated; default: the last that is not left "
+     "out"},
     {"during", "", RP_TEXT, IN(during), "", "", "phase that is sampled"},
     {"take", "", RP_CHOICE, IN(take), "value", EXP_TAKES,
-     "what is made of samples; default: value, or the mean during a phase"},
+     "what is made of samples; a rate is the mean of those of the passes; default: value, or the mean during "
+     "a phase"},
     {"every", "steps", RP_INT, IN(every), "auto", "[1, 1000000000] | auto",
      "from sample to sample; auto: the phase's looks"},
     {"skip", "", RP_REAL, IN(skip), "0", "[0, 1) | level",
-     "share of the samples that is left out, the first ones; level: until they level off"},
+     "share of the samples that is left out, the first ones of each pass; level: until they level off"},
     {"level_of", "", RP_TEXT, IN(level_of), "", "",
      "earlier measure of the same phase: as many samples are left out as of that"},
     {"series", "", RP_BOOL, IN(series), "false", "", "whether to write a table of the samples too"},
-    {"optional", "", RP_BOOL, IN(optional), "false", "", "whether a run is good without it"},
+    {"optional", "", RP_BOOL, IN(optional), "false", "",
+     "whether a run is good without it; a sample without a value is then left out"},
     {"drop", "", RP_REAL, IN(drop), "none", "(0, inf) | none",
      "least fall that is an avalanche; none: samples with `event`"},
     {"unit", "", RP_TEXT, IN(unit), "", "", "of the column"},

@@ -30,7 +30,7 @@ static rp_status find_conflict(sweep_store *s, const sweep_plan *plan, const cha
     sqlite3_str *sql = sqlite3_str_new(s->db);
     sqlite3_str_appendall(
         sql, "SELECT s.key, s.parameters, s.pile FROM source.runs s JOIN temp.runs r USING (key) "
-             "WHERE s.status NOT IN " SWEEP_MACHINE " AND r.status NOT IN " SWEEP_MACHINE
+             "WHERE s.status NOT IN " RP_MACHINE_STATUS " AND r.status NOT IN " RP_MACHINE_STATUS
              " AND (s.status IS NOT r.status");
     for (const sweep_output *o = plan->protocol->outputs; o->name; o++)
         if (sweep_store_has(s, "source", o->name)) /* one that a row lacks is no other result */
@@ -67,8 +67,8 @@ static rp_status copy_rows(sweep_store *s, const sweep_plan *plan, const char *f
 static rp_status take_rows(sweep_store *s, const sweep_plan *plan, const char *schema)
 {
     RP_TRY(sweep_sql(s, "unite the stores",
-                     "DELETE FROM temp.runs WHERE status IN " SWEEP_MACHINE
-                     " AND key IN (SELECT key FROM %s.runs WHERE status NOT IN " SWEEP_MACHINE ")",
+                     "DELETE FROM temp.runs WHERE status IN " RP_MACHINE_STATUS
+                     " AND key IN (SELECT key FROM %s.runs WHERE status NOT IN " RP_MACHINE_STATUS ")",
                      schema));
     return copy_rows(s, plan, schema, "temp", "");
 }

@@ -478,7 +478,7 @@ static bool is_aborted(const char *status)
 {
     char quoted[32];
     snprintf(quoted, sizeof quoted, "'%s'", status);
-    return strstr(SWEEP_MACHINE, quoted) != NULL;
+    return strstr(RP_MACHINE_STATUS, quoted) != NULL;
 }
 
 size_t sweep_count_aborted(const sweep_counts *counts)

@@ -70,9 +70,6 @@ typedef struct {
 enum { SWEEP_FORMAT = 4 }; /* of a store */
 typedef enum { SWEEP_READ, SWEEP_WRITE, SWEEP_CREATE } sweep_access;
 
-/* A row of such a status is no row of the results. */
-#define SWEEP_MACHINE RP_MACHINE_STATUS
-
 /* Read a sweep file, and check each value by itself. Afterwards sweep_plan_free, also after an error. */
 rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protocols, sweep_plan *plan);
 void sweep_plan_free(sweep_plan *plan);

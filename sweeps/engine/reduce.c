@@ -12,8 +12,6 @@
 #include "core/file.h"
 #include "table/table.h"
 
-enum { N_STATISTICS = SWEEP_STATISTICS };
-
 typedef struct {
     const sweep_plan *plan;
     FILE *out;
@@ -151,9 +149,9 @@ static rp_status write_columns(const table *t)
         if (!sweep_plan_is_axis(t->plan, p)) add_column(list, p->name, "", p->unit);
     if (!reduce) fputs("replica, pile, ", list);
     for (size_t i = 0; i < t->n_outputs; i++)
-        for (size_t k = 0; k < (reduce ? N_STATISTICS : 1); k++)
+        for (size_t k = 0; k < (reduce ? SWEEP_STATISTICS : 1); k++)
             add_column(list, o[i].name, reduce ? sweep_statistics[k] : "",
-                       reduce && k == N_STATISTICS - 1 ? "" : o[i].unit);
+                       reduce && k == SWEEP_STATISTICS - 1 ? "" : o[i].unit);
     fputs(reduce ? "n, n_failed, failed_for" : "seconds [s]", list);
     fclose(list);
     rp_table_header(t->out, text);
@@ -192,14 +190,14 @@ static rp_status write_run(const sweep_row *row, void *context)
 /* Write the gathered grid point, unless none of its runs is stored, and start afresh. */
 static void write_point(table *t)
 {
-    double values[SWEEP_MAX_OUTPUTS * N_STATISTICS + 2];
+    double values[SWEEP_MAX_OUTPUTS * SWEEP_STATISTICS + 2];
     char causes[1024];
     size_t n = 0;
-    for (size_t i = 0; i < t->n_outputs; i++, n += N_STATISTICS) {
+    for (size_t i = 0; i < t->n_outputs; i++, n += SWEEP_STATISTICS) {
         stats_summary a;
         stats_mean(t->n_finite[i], t->finite + i * t->plan->replicas, &a); /* NaN without values */
         memcpy(values + n, (double[]){a.mean, a.sd, a.se, a.lo, a.hi, (double)a.n},
-               N_STATISTICS * sizeof *values);
+               SWEEP_STATISTICS * sizeof *values);
     }
     values[n++] = (double)t->n_results;
     values[n++] = (double)(t->n_rows - t->n_results);

@@ -484,13 +484,13 @@ rp_status sweep_store_verify(sweep_store *s, const char *schema, const char *pat
 rp_status sweep_store_drop_crashed(sweep_store *s)
 {
     return sweep_sql(s, "write the store",
-                     "DELETE FROM main.runs WHERE status IN " SWEEP_MACHINE " AND run IS NOT NULL");
+                     "DELETE FROM main.runs WHERE status IN " RP_MACHINE_STATUS " AND run IS NOT NULL");
 }
 
 rp_status sweep_store_mark(sweep_store *s, size_t n_runs, unsigned char *done)
 {
     sqlite3_stmt *q =
-        sweep_sql_query(s, "SELECT run FROM runs WHERE run IS NOT NULL AND status NOT IN " SWEEP_MACHINE);
+        sweep_sql_query(s, "SELECT run FROM runs WHERE run IS NOT NULL AND status NOT IN " RP_MACHINE_STATUS);
     while (sqlite3_step(q) == SQLITE_ROW) {
         const size_t run = (size_t)sqlite3_column_int64(q, 0);
         if (run < n_runs) done[run / 8] |= (unsigned char)(1u << run % 8);

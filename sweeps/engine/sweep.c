@@ -409,20 +409,20 @@ rp_status sweep_salvage(const char *dir, const sweep_protocol *const *protocols,
     if (access(f.sqlite, F_OK) != 0) return rp_fail(RP_BAD_INPUT, "%s: no store", f.sqlite);
     RP_TRY(check_no_store(&f, kept));
     RP_TRY(check_no_store(&f, made));
-    rp_status status = make_salvaged(&f, made, n);
-    for (size_t i = 0; i < N_ENDS && !status; i++) {
-        RP_TRY(rp_path(&f.memory, &from, "%s%s", f.sqlite, ends[i]));
-        RP_TRY(rp_path(&f.memory, &to, "%s%s", kept, ends[i]));
-        if (rename(from, to) != 0 && errno != ENOENT)
-            status = rp_fail(RP_IO, "%s: cannot rename: %s", from, strerror(errno));
-    }
-    if (!status && rename(made, f.sqlite) != 0)
-        return rp_fail(RP_IO, "%s: cannot rename: %s", made, strerror(errno));
+    const rp_status status = make_salvaged(&f, made, n);
     for (size_t i = 0; i < N_ENDS && status; i++) {
         RP_TRY(rp_path(&f.memory, &to, "%s%s", made, ends[i]));
         unlink(to);
     }
-    return rp_prefix(status, "salvage: nothing is changed: ");
+    if (status) return rp_prefix(status, "salvage: nothing is changed: ");
+    for (size_t i = 0; i < N_ENDS; i++) {
+        RP_TRY(rp_path(&f.memory, &from, "%s%s", f.sqlite, ends[i]));
+        RP_TRY(rp_path(&f.memory, &to, "%s%s", kept, ends[i]));
+        if (rename(from, to) != 0 && errno != ENOENT)
+            return rp_fail(RP_IO, "%s: cannot rename: %s", from, strerror(errno));
+    }
+    return rename(made, f.sqlite) == 0 ? RP_OK
+                                       : rp_fail(RP_IO, "%s: cannot rename: %s", made, strerror(errno));
 }
 
 /* Whose a snapshot is: of this run with these tables. */

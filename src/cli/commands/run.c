@@ -111,7 +111,7 @@ static const char *const growing[CLI_GROWING] = {"states.tsv", "energy.tsv", "co
 
 static uint64_t layout(void)
 {
-    return dem_keep_layout() ^ sizeof(scene_run) ^ 1; /* the last changes with what an experiment keeps */
+    return dem_keep_layout() ^ sizeof(scene_run) ^ exp_keep_layout() << 20;
 }
 
 static scene_run run_in(const cli_call *call, const run_options *o, const char *directory)
