@@ -19,6 +19,11 @@ for entry; do
     names=$(nm -A -u "$build/lib$module.a" | sed -n 's/.*:\([^:]*\.o\): *U \(hypot\|a\?sinh\?\|a\?cosh\?\|a\?tan\|atan2\|sincos\|exp2\?\|expm1\|log\|log2\|log10\|log1p\|pow\|cbrt\|fma\)$/\1 \2/p')
     [ -z "$names" ] || { echo "lint: functions of libm in $module:" $names && bad=1; }
 done
+# The page in a browser has these modules but folders; what they call beyond must be among the names that it does without.
+for module in $(sed -n 's/^PAGE_OWN.*foreach m,\([a-z ]*\),.*/\1/p' src/page/page.mk); do nm -A -g "$build/lib$module.a"; done |
+    awk '/:folder.o:/ { next } $2 == "U" { if ($3 ~ /^(rp|stats|an|dem|ang|stress|exp|cholmod)_/) used[$3] } NF == 3 && $2 != "U" { made[$3] }
+        END { while ((getline name <"src/page/absent.txt") > 0) made[name]; for (name in used) if (!(name in made)) print name }' |
+    grep . && echo "lint: a page lacks these: see PAGE_OWN in src/page/page.mk and src/page/absent.txt" && bad=1
 # Names are no patterns, and no text is a command: the program has neither a shell nor patterns of names.
 nm -D -u "$build/repose" | grep -wE 'system|popen|wordexp|glob|glob64|fnmatch' && echo "lint: build/repose calls these" && bad=1
 python3 tests/rooms.py "$build" || bad=1
