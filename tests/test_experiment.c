@@ -885,6 +885,11 @@ static void test_refused_more(void)
          "regions = { up = { circle = (0.0, 5.0, 1.0); }; }; measure = ( { name = `s`; of = `profile`; in = "
          "`up`; }, {",
          "in = \"up\": of profile, a region of x and y expected"},
+        {lift, "measure = ( {",
+         "regions = { up = { polygon = ( (0.0, 0.0), (1.0, 0.0), (0.0, 1.0) ); }; }; measure = ( { name = "
+         "`s`; "
+         "of = `motion`; in = `up`; }, {",
+         "in = \"up\": of motion, a region of x and y expected"},
         {lift, "of = `y`; at = `lie`", "of = `y`; during = `lie`; take = `avalanches`",
          "avalanches are found by drop, or by event"},
         {lift, "v = 2.0", "v = 900.0", "phase up: wall plate needs dt <= "},

@@ -138,9 +138,8 @@ static rp_status read_scope(const exp_plan *plan, exp_measure *m)
     if (*m->in) m->scope.sort = EXP_REGION;
     RP_TRY(exp_find(plan, EXP_REGION, m->setting, "in", m->in, &m->scope.index));
     const exp_region *r = *m->in ? &plan->regions[m->scope.index] : NULL;
-    const bool within =
-        m->module && m->module->needs & EXP_ON_CONTACTS && (m->module->add || m->module->needs & EXP_BOUNDED);
-    return within && r && (r->circle || r->n_points)
+    const bool by_ends = m->module && (m->module->add || m->module->needs & EXP_BOUNDED);
+    return by_ends && r && (r->circle || r->n_points)
                ? rp_config_fail(in, "in = \"%s\": of %s, a region of x and y expected", m->in,
                                 m->module->name)
                : RP_OK;
