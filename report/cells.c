@@ -140,6 +140,16 @@ static rp_status read_note(const report_cell *cell, stats_number *number)
                    cell->column + 1);
 }
 
+/* How much the scatter about a line exceeds what the errors of its points tell, 1 where it does not. */
+static rp_status read_misfit(const report_cell *cell, double *factor)
+{
+    double chi2, dof;
+    RP_TRY(report_cell_column(cell, "chi2", &chi2));
+    RP_TRY(report_cell_column(cell, "dof", &dof));
+    *factor = chi2 > dof && dof > 0.0 ? sqrt(chi2 / dof) : 1.0;
+    return RP_OK;
+}
+
 /* NAME_mean and NAME_se, or NAME_deg and NAME_se_deg, or NAME and NAME_se. */
 static rp_status read_value(const report_cell *cell, double n, stats_number *number)
 {
@@ -148,7 +158,11 @@ static rp_status read_value(const report_cell *cell, double n, stats_number *num
     if (!error && rp_ends_in(cell->column, "_deg")) error = beside(cell, "_deg", "_se_deg");
     RP_TRY(report_cell_column(cell, mean ? mean : cell->column, &number->value));
     number->se = rp_ends_in(cell->column, "_sd") ? report_deviation_error(number->value, n) : 0.0;
-    return error ? report_cell_column(cell, error, &number->se) : RP_OK;
+    if (!error) return RP_OK;
+    double misfit;
+    RP_TRY(read_misfit(cell, &misfit));
+    RP_TRY(report_cell_column(cell, error, &number->se));
+    return number->se *= misfit, RP_OK;
 }
 
 rp_status report_cell_number(const report_cell *cell, report_number *number)

@@ -69,8 +69,9 @@ typedef struct {
 } report_number;
 
 /* Value and standard error of a cell: NAME_mean and NAME_se, or NAME_deg and NAME_se_deg, or NAME and
- * NAME_se, of NAME_n or n values. A quantity without a column for its error is exact, save a standard
- * deviation NAME_sd. Column #KEY is the number that a header line starts with. Errors: RP_BAD_INPUT. */
+ * NAME_se, of NAME_n or n values; the error of a line widened by sqrt(chi2/dof) > 1. A quantity without a
+ * column for its error is exact, save a standard deviation NAME_sd. Column #KEY is the number that a header
+ * line starts with. Errors: RP_BAD_INPUT. */
 rp_status report_cell_number(const report_cell *cell, report_number *number);
 
 /* The number of a cell, or of several: of all their values the mean, or of columns NAME_sd the standard

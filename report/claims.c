@@ -12,7 +12,7 @@ static const struct {
     int by;
     bool number, against, margin;
 } tests[] = {[CLAIM_AGREES] = {"agrees", BY_DIFFERENCE, .number = true},
-             [CLAIM_SAME] = {"same", BY_DIFFERENCE, .against = true},
+             [CLAIM_SAME] = {"same", BY_CHANGE, .against = true, .margin = true},
              [CLAIM_ABOVE] = {"above", BY_SIDE, .against = true},
              [CLAIM_BELOW] = {"below", BY_SIDE, .against = true},
              [CLAIM_LEAST] = {"least", BY_BOUND, .against = true},
@@ -148,10 +148,10 @@ static rp_status read_change(rp_arena *arena, const report_claim *c, const repor
                              report_judged *j)
 {
     const bool corrected = !*c->family && report_cell_text(cell, "p_holm");
-    if (c->answers->next) { /* several sets of piles: their error is all that is known */
-        const stats_number n = j->ours.shown;
+    if (c->kind == CLAIM_SAME || c->answers->next) { /* their error is all that is known */
+        const stats_number n = report_difference(j->ours.tested, j->against.tested);
         const double half = NORMAL_90 * n.se;
-        j->dof = NAN;
+        j->dof = INFINITY;
         j->change = (report_change){n.value - half, n.value + half, report_agree_p(n.value / n.se)};
         return RP_OK;
     }
@@ -164,14 +164,14 @@ static rp_status read_change(rp_arena *arena, const report_claim *c, const repor
 static const char *text_of_ours(rp_arena *arena, const report_claim *c, const report_judged *j)
 {
     const char *text = report_number_text(arena, j->ours.shown);
-    if (tests[c->kind].by == BY_CHANGE) {
-        /* as many digits as the change, so that an end close to the margin is not rounded onto it */
-        const int decimals = j->ours.shown.se > 0.0 ? report_decimals(j->ours.shown.se) : 3;
-        text = rp_text(arena, "%s (90 %%: %.*f to %.*f)", text, decimals, j->change.lo90, decimals,
-                       j->change.hi90);
-    }
-    if (!*c->against || (!c->againsts && c->limit == 0.0)) return text;
-    return rp_text(arena, "%s against %s", text, report_number_text(arena, j->against.shown));
+    if (*c->against && (c->againsts || c->limit != 0.0))
+        text = rp_text(arena, "%s against %s", text, report_number_text(arena, j->against.shown));
+    if (tests[c->kind].by != BY_CHANGE) return text;
+    /* as many digits as the change, so that an end close to the margin is not rounded onto it */
+    const double se = report_difference(j->ours.shown, j->against.shown).se;
+    const int decimals = se > 0.0 ? report_decimals(se) : 3;
+    return rp_text(arena, "%s%s%.*f to %.*f)", text, REPORT_INTERVAL, decimals, j->change.lo90, decimals,
+                   j->change.hi90);
 }
 
 static rp_status read_tables(const report_claim *c, report_tables *tables, report_judged *j)
@@ -204,11 +204,12 @@ static report_chances chances_of(const report_claim *c, const report_judged *j)
                                 report_exceed_p_margin(ours, against, margin)};
     }
     case BY_CHANGE: {
-        const stats_contrast change = {j->ours.shown.value, j->ours.shown.se,
-                                       isnan(j->dof) ? INFINITY : j->dof};
-        return (report_chances){j->change.p_value, c->kind == CLAIM_INDEPENDENT
-                                                       ? stats_contrast_p_margin(&change, c->margin)
-                                                       : NAN};
+        const stats_number n = report_difference(j->ours.tested, j->against.tested);
+        const stats_contrast change = {n.value, n.se, isnan(j->dof) ? INFINITY : j->dof};
+        if (c->kind != CLAIM_INDEPENDENT && c->kind != CLAIM_SAME)
+            return (report_chances){j->change.p_value, NAN};
+        const double inside = stats_contrast_p_margin(&change, c->margin);
+        return (report_chances){1.0 - inside, inside};
     }
     default: return (report_chances){NAN, NAN};
     }
@@ -222,7 +223,6 @@ static report_verdict decide(const report_claim *c, const report_chances *raised
     const report_chances own = chances_of(c, j);
     switch (c->kind) {
     case CLAIM_AGREES: return report_agree(ours, c->number, c->margin, raised, &j->z);
-    case CLAIM_SAME: return report_agree(ours, against, c->margin, raised, &j->z);
     case CLAIM_ABOVE:
     case CLAIM_BELOW: return report_exceed(ours, against, sign, raised ? raised : &own);
     case CLAIM_LEAST:
@@ -230,6 +230,7 @@ static report_verdict decide(const report_claim *c, const report_chances *raised
     case CLAIM_EQUALS: return report_bound(fabs(ours.value - c->number.value), c->margin, -1);
     case CLAIM_ORDER:
         return report_order(report_quotient(ours, *c->against ? against : c->number), c->margin);
+    case CLAIM_SAME:
     case CLAIM_INDEPENDENT: return report_equivalent(&j->change, c->margin, raised);
     case CLAIM_RISES:
     case CLAIM_FALLS:
@@ -275,6 +276,9 @@ static const char *note_of(rp_arena *arena, const report_claim *c, const report_
 {
     const bool own = strcmp(c->paper, "ours") == 0;
     if (j->verdict == REPORT_NO_DATA) return "";
+    if (j->choice)
+        return rp_text(arena, "%s by itself, %s by %s", report_verdict_text(j->chosen, own),
+                       report_verdict_text(j->other, own), j->choice);
     if (j->uncorrected != j->verdict)
         return rp_text(arena, "%s without the correction for %zu tests of one question",
                        report_verdict_text(j->uncorrected, own), j->tests);
@@ -314,6 +318,19 @@ static rp_status judge_family(const report_claims *all, report_tables *tables, s
     return RP_OK;
 }
 
+/* A variant that decides too leaves its claim, which stands before it, open where the two differ. */
+static void weigh_choice(const report_claims *all, size_t i, report_judged judged[])
+{
+    for (size_t k = i + 1; k < all->n; k++) {
+        const report_claim *variant = &all->claims[k];
+        if (strcmp(variant->on, "decides") != 0 || strcmp(variant->of, all->claims[i].id) != 0) continue;
+        report_judged *j = &judged[i];
+        if (j->verdict == judged[k].verdict || judged[k].verdict == REPORT_NO_DATA) continue;
+        j->choice = variant->id, j->chosen = j->verdict, j->other = judged[k].verdict;
+        j->verdict = REPORT_OPEN;
+    }
+}
+
 rp_status report_judge(const report_claims *all, report_tables *tables, report_judged **judged)
 {
     size_t *members = rp_arena_memory(tables->arena, all->n, sizeof *members);
@@ -331,10 +348,16 @@ rp_status report_judge(const report_claims *all, report_tables *tables, report_j
         const report_claim *c = &all->claims[i];
         report_judged *j = &(*judged)[i];
         if (c->kind == CLAIM_JOINT) RP_TRY(judge_joint(tables->arena, all, c, *judged, j));
+        weigh_choice(all, i, *judged);
         j->word = report_verdict_text(j->verdict, strcmp(c->paper, "ours") == 0);
         j->note = note_of(tables->arena, c, j);
     }
     return RP_OK;
+}
+
+bool report_on_page(const report_claim *c)
+{
+    return !*c->of && strcmp(c->on, "full") != 0;
 }
 
 const char *report_count(rp_arena *arena, const report_claims *claims, const report_judged judged[],
@@ -343,7 +366,8 @@ const char *report_count(rp_arena *arena, const report_claims *claims, const rep
     size_t counts[REPORT_VERDICTS] = {0}, n = 0;
     const char *text = "";
     for (size_t i = 0; i < claims->n; i++)
-        if (!*claims->claims[i].of && strcmp(claims->claims[i].paper, paper) == 0)
+        if (report_on_page(&claims->claims[i]) && claims->claims[i].kind != CLAIM_JOINT &&
+            strcmp(claims->claims[i].paper, paper) == 0)
             counts[judged[i].verdict]++, n++;
     for (report_verdict v = 0; v < REPORT_NO_DATA && n > 0; v++)
         text = rp_text(arena, "%s%s%zu %s", text, v ? ", " : "", counts[v],

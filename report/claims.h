@@ -8,7 +8,7 @@
 /* How a claim is tested: by what the word in the column `test` means. */
 typedef enum {
     CLAIM_AGREES,      /* ours is the published number, within two standard errors of the difference */
-    CLAIM_SAME,        /* ours is `against`, within two standard errors of the difference */
+    CLAIM_SAME,        /* equivalence: the difference from `against` lies within the margin */
     CLAIM_ABOVE,       /* ours exceeds `against` by two standard errors of the difference */
     CLAIM_BELOW,       /* ours is below `against` by two standard errors of the difference */
     CLAIM_LEAST,       /* ours, whose error does not count, is at least `against` */
@@ -45,7 +45,7 @@ typedef struct {
 #undef X
     report_test kind;
     const char *family;                   /* of claims that answer one question */
-    const char *on;                       /* "full": not on the page; else on it too */
+    const char *on;                       /* "page"; "full": not on it; of a variant "decides": see below */
     const char *error;                    /* what the printed +- is: "se" (or ""), "sd" */
     const char *fixed, *says;             /* when the test was fixed; the paper's word for a number */
     stats_number number;                  /* published, with its standard error; NaN: none */
@@ -71,6 +71,9 @@ rp_status report_claims_find(const report_claims *claims, const char *id, const 
 /* The published number as it is printed there, with its error, or the paper's word; "" for none. */
 const char *report_published(rp_arena *arena, const report_claim *claim);
 
+/* Between a number and its interval of 90 %. */
+#define REPORT_INTERVAL " (90 %: "
+
 /* A claim judged by tables. */
 typedef struct {
     report_number ours, against;
@@ -81,13 +84,19 @@ typedef struct {
     double z;                            /* of an agreement: difference in standard errors */
     const char *failed;                  /* runs without a result, see report_failed */
     const char *text;                    /* ours, as the report shows it */
+    const char *choice;                  /* variant that says otherwise, which leaves the claim open; NULL */
+    report_verdict chosen, other;        /* then, what the claim says by itself, and what that variant */
     const char *word, *note;             /* the verdict, and what explains it */
 } report_judged;
 
 /* Every claim. Errors: RP_BAD_INPUT (a table without the cells that it names), those of rp_table_read. */
 rp_status report_judge(const report_claims *claims, report_tables *tables, report_judged **judged);
 
-/* "12 reproduced, 5 not reproduced, ..." of a paper's claims, without variants; "" for none. */
+/* Is a claim a row of the page: no variant, and not in the full table alone? */
+bool report_on_page(const report_claim *claim);
+
+/* "12 reproduced, 5 not reproduced, ..." of a paper's rows on the page, but those of others together; "" for
+ * none. */
 const char *report_count(rp_arena *arena, const report_claims *claims, const report_judged judged[],
                          const char *paper);
 

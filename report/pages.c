@@ -145,11 +145,11 @@ static void print_in_full(page *p, const report_claim *c, const report_judged *j
 /* The line that is read first: what is claimed, both sides, the verdict. */
 static void print_in_short(page *p, const report_claim *c, const report_judged *j)
 {
-    const bool change = c->kind == CLAIM_INDEPENDENT || c->kind == CLAIM_RISES || c->kind == CLAIM_FALLS;
+    const char *interval = strstr(j->text, REPORT_INTERVAL);
     fprintf(p->out, "%s | ", c->statement);
     if (strcmp(c->paper, "ours") != 0) fprintf(p->out, "%s | ", report_published(p->tables.arena, c));
-    fprintf(p->out, "%s | %s |",
-            change && *j->text ? report_number_text(p->tables.arena, j->ours.shown) : j->text, j->word);
+    fprintf(p->out, "%.*s | %s |", (int)(interval ? (size_t)(interval - j->text) : strlen(j->text)), j->text,
+            j->word);
 }
 
 /* The claims of a paper in full; or those of a section that the page has, in short. */
@@ -166,7 +166,7 @@ static rp_status fill_section(page *p, const char *word, const char *section)
     for (size_t i = 0; i < p->claims.n; i++) {
         const report_claim *c = &p->claims.claims[i];
         const bool wanted = strcmp(in_full ? c->paper : c->section, section) == 0;
-        if (!wanted || (!in_full && (*c->of || strcmp(c->on, "full") == 0))) continue;
+        if (!wanted || (!in_full && !report_on_page(c))) continue;
         fputs("\n| ", p->out);
         (in_full ? print_in_full : print_in_short)(p, c, &p->judged[i]);
         any = true;

@@ -78,7 +78,8 @@ report_verdict report_equivalent(const report_change *change, double margin, con
 {
     if (isinf(change->lo90) || isinf(change->hi90)) return REPORT_OPEN;
     if (raised ? raised->margin < level : within(change, margin)) return REPORT_REPRODUCED;
-    return (raised ? raised->effect : change->p_value) < level ? REPORT_NOT_REPRODUCED : REPORT_OPEN;
+    const bool beyond = change->lo90 > margin || change->hi90 < -margin;
+    return (raised ? raised->effect < level : beyond) ? REPORT_NOT_REPRODUCED : REPORT_OPEN;
 }
 
 report_verdict report_trends(const report_change *change, int sign, double margin)

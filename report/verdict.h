@@ -30,9 +30,9 @@ stats_number report_of_few(stats_number mean, double n);
  * for n < 2. */
 double report_deviation_error(double sd, double n);
 
-/* Chances that decide: of such a difference or change if there is none, and of one as small if the truth is
- * the margin. NaN: no such test. The tests below take those that a correction for other tests has raised;
- * NULL: each by itself. */
+/* Chances that decide: of such a difference or change if there is none (of an equivalence: if it is the
+ * margin), and of one as small if the truth is the margin. NaN: no such test. The tests below take those that
+ * a correction for other tests has raised; NULL: each by itself. */
 typedef struct {
     double effect, margin;
 } report_chances;
@@ -65,8 +65,8 @@ typedef struct {
     double lo90, hi90, p_value;
 } report_change;
 
-/* Equivalence: reproduced if the 90 % interval lies within +-margin (two one-sided tests at 5 %); not
- * reproduced if it does not and there is a change; else open. */
+/* Equivalence: reproduced if the 90 % interval lies within +-margin (two one-sided tests at 5 %), not
+ * reproduced if it lies beyond, else open. */
 report_verdict report_equivalent(const report_change *change, double margin, const report_chances *raised);
 
 /* Trend: a significant rise (sign = 1) or fall (-1). Not reproduced if the opposite is significant, or if no

@@ -17,7 +17,7 @@ set xrange [-0.01:0.32]
 set yrange [0:30]
 plot within(0.05, 0.2, x, start + slope*x) with lines ls theory title 'straight line, 0.05 ≤ {/:Italic μ} ≤ 0.2', \
      t('lh3/points.tsv') using (column('mu')):(column('theta_r3_deg_mean')):(column('theta_r3_deg_se')) with yerrorbars ls ours title 'measured', \
-     '+' using (0.207):(theta):(se) every ::0::0 with yerrorbars ls paper title 'Lee and Herrmann'
+     '+' using (0.2):(theta):(se) every ::0::0 with yerrorbars ls paper title 'Lee and Herrmann'
 eval panel(2, '(b) friction of the floor, 0.1 to 0.4')
 set xlabel 'size of the box {/:Italic W} = {/:Italic H} (cm)'
 set ylabel 'change of the slope (degrees)'
@@ -33,16 +33,17 @@ eval panel(3, '(c) tilting angle')
 set xlabel 'friction coefficient {/:Italic μ}'
 set ylabel '{/:Italic θ}_T (degrees)'
 set xrange [-0.01:0.32]
-set yrange [0:10]
-plot t('lh3/compare.tsv') using (column('mu')):(column('theta_t_printed_deg')) with lines ls 11 title '(4) as printed', \
-     t('lh3/compare.tsv') using (column('mu')):(column('theta_t_lattice_deg')) with lines ls 12 title '(4) with balanced forces', \
-     t('lh3/compare.tsv') using (column('mu')):(column('theta_t_deg')):(column('theta_t_se_deg')) with yerrorbars ls ours title 'gravity turned', \
-     t('lh3_box/compare.tsv') using (column('mu')):(column('theta_t_deg')):(column('theta_t_se_deg')) with yerrorbars ls 3 title 'box turned, as in the paper'
+set yrange [0:12]
+plot t('lh3/compare.tsv') using (column('mu')):(column('theta_t_lattice_deg')) with lines ls 11 title '(4) with balanced forces', \
+     t('lh3/compare.tsv') using (column('mu')):(column('theta_t_deg')):(column('theta_t_se_deg')) with yerrorbars ls ours title 'gravity turned, by displacement', \
+     t('lh3_box/compare.tsv') using (column('mu')):(column('theta_t_deg')):(column('theta_t_se_deg')) with yerrorbars ls 3 title 'box turned as in the paper, by displacement', \
+     t('lh3_box/points.tsv') using (column('mu')):(column('theta_t_energy_deg_mean')):(column('theta_t_energy_deg_se')) with yerrorbars ls 4 title 'box turned, by kinetic energy'
 eval panel(4, '(d) pressure under dropped piles')
 set xlabel 'distance from the centroid / {/:Italic B}'
-set ylabel '{/:Italic N} / {/:Italic N} of rays'
-set xrange [0:0.4]
-set yrange [0.75:1.25]
-plot t('li20_point/profile.tsv') using (column('distance')):(column('N')/column('rays')) with linespoints ls 1 title "the paper's contacts", \
-     t('li20_history/rough_profile.tsv') using (column('distance')):(column('N')/column('rays')) with linespoints ls 2 title 'rough base, point source', \
-     t('li20_history/rough_wide_profile.tsv') using (column('distance')):(column('N')/column('rays')) with linespoints ls 3 title 'rough base, wide source'
+set ylabel '{/:Italic N} over its mean'
+set xrange [0:0.25]
+set yrange [1.1:1.45]
+plot t('li20_point/profile.tsv') using (column('distance')):(column('N')):(column('N_se')) with yerrorlines ls 1 title "the paper's contacts", \
+     t('li20_point/profile.tsv') using (column('distance')):(column('rays')) with lines ls 10 title 'rays under the outlines of these', \
+     t('li20_history/rough_profile.tsv') using (column('distance')):(column('N')):(column('N_se')) with yerrorlines ls 2 title 'rough base, point source', \
+     t('li20_history/rough_wide_profile.tsv') using (column('distance')):(column('N')):(column('N_se')) with yerrorlines ls 3 title 'rough base, wide source'
