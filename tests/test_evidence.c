@@ -395,6 +395,23 @@ static void check_need(bool needed, const char *message)
 }
 
 /* Which test needs a published number, something to compare with, a margin. All need an answer. */
+/* A line that misses its points by twice their errors has twice the error; a variant that decides leaves its
+ * claim open where it says otherwise, and another does not. */
+static void test_choices(void)
+{
+#define CHOICE(id, of, on, k) id "\t" of "\tlh\t-\ts\t" on "\tabove\t-\t-\t-\t9\t-\tt k=" k " v\t0\tx\t-\n"
+    write_text("t.tsv", "# k\tv\tv_se\tchi2\tdof\n1\t3\t1\t8\t2\n2\t3\t1\t1\t2\n3\t-3\t1\t1\t2\n");
+    write_text("claims.tsv",
+               "id\tof\tpaper\tplace\tsection\ton\ttest\tpublished\tpublished_se\tsamples\tmargin\t"
+               "family\tanswer\tagainst\tstatement\tnote\n" CHOICE("wide", "-", "page", "1")
+                   CHOICE("a", "-", "page", "2") CHOICE("a/other", "a", "decides", "3")
+                       CHOICE("b", "-", "page", "2") CHOICE("b/other", "b", "full", "3"));
+    REPORTS(ASK);
+    CHECK_CELLS({"wide", "ours", "3.0 ± 2.0"}, {"a", "ours", "3.0 ± 1.0"}, {"wide", "verdict", "open"},
+                {"a", "detail", "reproduced by itself, not reproduced by a/other"}, {"a", "verdict", "open"},
+                {"a/other", "verdict", "not reproduced"}, {"b", "verdict", "reproduced"});
+}
+
 static void test_needs(void)
 {
     static const struct {
@@ -984,6 +1001,6 @@ static void test_remade(void)
 }
 
 CHECK_SUITE_WITHIN(evidence, "evidence", enter, leave, test_verdicts, test_section, test_failed_cells,
-                   test_references, test_needs, test_family, test_joint_claims, test_dips, test_rays,
-                   test_settings, test_rows, test_made, test_names, test_claims_again, test_pages,
+                   test_references, test_choices, test_needs, test_family, test_joint_claims, test_dips,
+                   test_rays, test_settings, test_rows, test_made, test_names, test_claims_again, test_pages,
                    test_checksums, test_commits, test_remade)
