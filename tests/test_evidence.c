@@ -399,7 +399,7 @@ static void check_need(bool needed, const char *message)
  * claim open where it says otherwise, and another does not. */
 static void test_choices(void)
 {
-#define CHOICE(id, of, on, k) id "\t" of "\tlh\t-\ts\t" on "\tabove\t-\t-\t-\t9\t-\tt k=" k " v\t0\tx\t-\n"
+#define CHOICE(id, of, on, k) id "\t" of "\tlh\t-\ts\t" on "\tabove\t-\t-\t-\t-\t-\tt k=" k " v\t0\tx\t-\n"
     write_text("t.tsv", "# k\tv\tv_se\tchi2\tdof\n1\t3\t1\t8\t2\n2\t3\t1\t1\t2\n3\t-3\t1\t1\t2\n");
     write_text("claims.tsv",
                "id\tof\tpaper\tplace\tsection\ton\ttest\tpublished\tpublished_se\tsamples\tmargin\t"
