@@ -685,12 +685,15 @@ static void test_refused(void)
         {"tangential.damping=outside", "tangential.damping = \"outside\""},
         {"tangential.mu=infinite", "tangential.mu = infinite"},
         {"normal.gamma_n=0", "tangential.gamma_s = 30"},
+        {"tangential.law=mindlin", "tangential.gamma_s = 30: LAMMPS damps shear"},
+        {"contacts_file=contacts.tsv", "contacts_file: springs"},
         {"x_max=5", "x_max: "},
         {"y_min=-5", "y_min: "},
         {"gravity_turn_deg_per_step=0.1", "gravity_turn_deg_per_step"},
         {"box_turn_deg_per_step=0.1", "box_turn_deg_per_step"}};
     write_grains("grains.tsv");
     write_same(0);
+    write_text("contacts.tsv", "# id_a\tid_b\twall\tshear_spring\n1\t2\t0\t0.01\n");
     for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
         FAILS(65, refused[i][1], "export spring.cfg --to lammps-input -o a.in --set %s", refused[i][0]);
     static const char *const walls[][2] = {

@@ -127,7 +127,7 @@ static void test_patterns(void)
     double *const numbers[] = {&f.W, &f.H, &f.x0, &f.spacing, &f.density, &f.radius_mean, &f.radius_width};
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
         const double before = *numbers[k];
-        *numbers[k] = NAN;
+        *numbers[k] = k < 2 ? -1.0 : NAN;
         CHECK_FAILS(dem_fill_grains(&f, grains, &n), RP_BAD_INPUT, "must be finite");
         *numbers[k] = before;
     }

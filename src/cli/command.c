@@ -170,8 +170,7 @@ static char *line_of(rp_arena *arena, const char *name, int argc, char *const ar
 
 int cli_main(const cli_program *program, int argc, char **argv)
 {
-    signal(SIGXFSZ, SIG_IGN);    /* a file that reaches the limit of its size is a failed write */
-    gsl_set_error_handler_off(); /* each caller of GSL checks the returned status */
+    signal(SIGXFSZ, SIG_IGN); /* a file that reaches the limit of its size is a failed write */
     rp_arena arena = {.exhausted = exhausted};
     cli_call call = {.arena = &arena, .program = program, .line = line_of(&arena, program->name, argc, argv)};
     const bool named = argc > 1 && cli_find(program->commands, argv[1]);

@@ -1,11 +1,18 @@
 /* Status codes and messages; see status.h. */
 #include "core/status.h"
 
+#include <gsl/gsl_errno.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
 static _Thread_local char message[4096];
+
+/* GSL's own handler ends the program; each caller of GSL here checks the returned status. */
+__attribute__((constructor)) static void switch_handler_off(void)
+{
+    gsl_set_error_handler_off();
+}
 
 rp_status rp_fail(rp_status status, const char *format, ...)
 {

@@ -29,6 +29,12 @@ static const dem_normal_descriptor *normal_law(const dem_definition *def)
     return &dem_normal_descriptors[def->normal];
 }
 
+/* Is the damping that of Tsuji? LAMMPS' polynomial for it has no 0. */
+static bool tsuji(const dem_definition *def, const dem_material *m)
+{
+    return normal_law(def)->lammps_damping && m->gamma_n > 0.0;
+}
+
 static rp_status check_material(const dem_definition *def, const dem_material *m, const char *of)
 {
     const bool slides = dem_has_friction(def->tangential);
@@ -40,6 +46,12 @@ static rp_status check_material(const dem_definition *def, const dem_material *m
     if (normal_law(def)->lammps_damping && m->gamma_n > 1.2728)
         return rp_fail(RP_BAD_INPUT, "%snormal.gamma_n = %g: LAMMPS' damping tsuji goes up to 1.2728", of,
                        m->gamma_n);
+    if (slides && m->gamma_s > 0.0 && tsuji(def, m) != (def->tangential == DEM_MINDLIN))
+        return rp_fail(
+            RP_BAD_INPUT,
+            "%stangential.gamma_s = %g: LAMMPS damps shear as the normal direction, which the laws "
+            "\"%s\" and \"%s\" do not; 0 goes",
+            of, m->gamma_s, normal_law(def)->name, dem_tangential_descriptors[def->tangential].name);
     if (slides && m->gamma_n == 0.0 && m->gamma_s > 0.0)
         return rp_fail(RP_BAD_INPUT,
                        "%stangential.gamma_s = %g: LAMMPS has it as a part of gamma_n, which is 0", of,
@@ -84,6 +96,7 @@ static rp_status check_scene(const dem_definition *def)
          "tangential.damping = \"outside\": LAMMPS limits spring and dashpot together; set \"inside\""},
         {def->ground.wall > 0, "ground: LAMMPS has no wells of static friction"},
         {def->hard.on, "hard: LAMMPS has no hard collisions"},
+        {def->n_contacts > 0, "contacts_file: springs of LAMMPS begin at 0"},
         {isfinite(def->x_min), "x_min: the input takes no grain out"},
         {isfinite(def->x_max), "x_max: the input takes no grain out"},
         {isfinite(def->y_min), "y_min: the input takes no grain out"},
@@ -182,19 +195,19 @@ static double tsuji_restitution(double gamma_n)
 static void write_law(const dem_definition *def, const dem_material *m, double r_eff, FILE *out)
 {
     const dem_normal_descriptor *law = normal_law(def);
-    const bool tsuji = law->lammps_damping, mindlin = def->tangential == DEM_MINDLIN;
+    const bool mindlin = def->tangential == DEM_MINDLIN;
     const double part = m->gamma_n > 0.0 ? m->gamma_s / m->gamma_n : 0.0,
                  damping = mindlin ? part * sqrt(m->k_s / m->k_n) : part;
     fprintf(out, "%s %s %s tangential %s", law->lammps,
             EXPORT_SHORT(law->lammps_by_radius ? m->k_n / sqrt(r_eff) : m->k_n),
-            EXPORT_SHORT(tsuji ? tsuji_restitution(m->gamma_n) : m->gamma_n),
+            EXPORT_SHORT(tsuji(def, m) ? tsuji_restitution(m->gamma_n) : m->gamma_n),
             dem_tangential_descriptors[def->tangential].lammps);
     if (dem_has_spring(def->tangential)) fprintf(out, " %s", EXPORT_SHORT(m->k_s));
     if (dem_has_friction(def->tangential))
         fprintf(out, " %s %s", EXPORT_SHORT(damping), EXPORT_SHORT(m->mu));
     else
         fputs(" 0 0", out);
-    fprintf(out, " damping %s%s", tsuji ? law->lammps_damping : "mass_velocity",
+    fprintf(out, " damping %s%s", tsuji(def, m) ? law->lammps_damping : "mass_velocity",
             def->tension ? "" : " limit_damping");
 }
 
@@ -208,10 +221,11 @@ static void write_about(const lammps_scene *s, const char *scene, FILE *out)
                 ? "round-off and the slip that spin makes, which LAMMPS takes at the radii, `repose run` "
                   "at the contact, nearer by half an overlap"
                 : "round-off (spheres that do not rotate)");
-    fprintf(out, "# normal force: %s%s, dashpot gamma_n m_eff%s\n", normal_law(&s->def)->name,
+    fprintf(out, "# normal force: %s%s, dashpot %s%s\n", normal_law(&s->def)->name,
             normal_law(&s->def)->lammps_by_radius
                 ? "; LAMMPS' own stiffness is k sqrt(R_eff), so that each radius is a type"
                 : "",
+            normal_law(&s->def)->lammps_damping ? "of Tsuji" : "gamma_n m_eff",
             s->def.tension ? ", which may pull" : ", together not below 0");
     if (normal_law(&s->def)->lammps_damping)
         fputs("# damping: LAMMPS takes it from a restitution by a polynomial; the number here is where that "

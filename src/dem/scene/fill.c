@@ -274,10 +274,11 @@ rp_status dem_fill_grains(const dem_fill *f, dem_grain *grains, size_t *n)
 {
     RP_SCOPE(memory);
     const bool row = f->pattern == DEM_PATTERN_ROW;
-    if (!isfinite(f->W) || isnan(f->H) || (isinf(f->H) && !row) ||
+    if (!(f->W >= 0.0 && isfinite(f->W)) || !(f->H >= 0.0) || (isinf(f->H) && !row) ||
         !isfinite(f->x0 + f->y0 + f->spacing + f->density))
         return rp_fail(RP_BAD_INPUT,
-                       "fill: W = %g, H = %g, x0 = %g, y0 = %g, spacing = %g, density = %g: must be finite",
+                       "fill: W = %g, H = %g, x0 = %g, y0 = %g, spacing = %g, density = %g: must be finite, "
+                       "W and H at least 0",
                        f->W, f->H, f->x0, f->y0, f->spacing, f->density);
     if (f->N < 0 && f->pattern == DEM_PATTERN_RANDOM)
         return rp_fail(RP_BAD_INPUT, "fill: N = %ld: must be at least 0", f->N);

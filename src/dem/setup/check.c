@@ -146,10 +146,10 @@ rp_status dem_grain_check(const dem_definition *def, const dem_grain *p)
         (!def->rotation && (p->angle != 0.0 || p->omega != 0.0)))
         return rp_fail(RP_BAD_INPUT, "angle = %g, omega = %g: %s", p->angle, p->omega,
                        def->rotation ? "must be finite" : "needs rotation");
-    const char *beyond = p->x < def->x_min   ? "x_min"
-                         : p->x > def->x_max ? "x_max"
-                         : p->y < def->y_min ? "y_min"
-                                             : NULL;
+    const char *beyond = !(p->x >= def->x_min)   ? "x_min"
+                         : !(p->x <= def->x_max) ? "x_max"
+                         : !(p->y >= def->y_min) ? "y_min"
+                                                 : NULL;
     if (beyond) return rp_fail(RP_BAD_INPUT, "x = %g, y = %g: starts beyond %s", p->x, p->y, beyond);
     return RP_OK;
 }
