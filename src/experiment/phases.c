@@ -180,11 +180,12 @@ static void set_forces(exp_run *run, const exp_phase *p, bool each_step)
     }
     for (const exp_move *m = p->moves; m < p->moves + p->n_moves && !run->at.done; m++) {
         if (m->each_step != each_step) continue;
-        const double velocity[2] = {exp_number(run, "velocity", &m->velocity[0]),
-                                    exp_number(run, "velocity", &m->velocity[1])},
+        const bool shifts = exp_given(&m->velocity[0]);
+        const double velocity[2] = {shifts ? exp_number(run, "velocity", &m->velocity[0]) : 0.0,
+                                    shifts ? exp_number(run, "velocity", &m->velocity[1]) : 0.0},
                      omega = exp_given(&m->omega) ? exp_number(run, "omega", &m->omega) : NAN;
         if (run->at.done) return;
-        exp_move_wall(run, &run->plan->walls[m->wall], exp_given(&m->velocity[0]) ? velocity : NULL, omega);
+        exp_move_wall(run, &run->plan->walls[m->wall], shifts ? velocity : NULL, omega);
     }
 }
 

@@ -134,6 +134,7 @@ double rp_expression_value(const rp_expression *e, const rp_x_values *values, do
 {
     double stack[MOST_STEPS + 3];
     size_t n = 0;
+    stack[0] = NAN; /* of an expression that a text does not give */
     for (size_t i = 0; i < e->n; i++) {
         const rp_x_step *s = &e->steps[i];
         if (s->kind == X_NAME || s->kind == X_KNOWN) {
