@@ -608,6 +608,19 @@ static void lifted_wall_drags(void)
     dem_state s;
     grains_run(sim, 2000, &s);
     CU_ASSERT(s.vy > 0.5 && s.y > 0.51);
+    /* opened again it goes on from where it is, and what is gone stays gone */
+    const double end = dem_wall_now(sim, 0).ends[0];
+    CHECK_OK(dem_wall_open(sim, 0, 2.0));
+    CHECK_OK(dem_run(sim, 1));
+    CHECK_NEAR(dem_wall_now(sim, 0).ends[0], end + 2.0 * def.dt, 1e-12);
+    CHECK_OK(dem_wall_open(sim, 0, 20.0));
+    CHECK_OK(dem_run(sim, 2));
+    CHECK_NEAR(dem_wall_now(sim, 0).ends[0], end + 22.0 * def.dt, 1e-12);
+    CHECK_OK(dem_wall_open(sim, 0, INF));
+    CHECK_OK(dem_run(sim, 2));
+    CHECK_OK(dem_wall_open(sim, 0, 2.0));
+    CHECK_OK(dem_run(sim, 1));
+    CU_ASSERT(dem_wall_now(sim, 0).ends[0] == dem_wall_now(sim, 0).ends[1]);
 }
 
 /* A grain is removed at the step at which its centre passes x_max or y_min; the others continue. */

@@ -161,6 +161,20 @@ static void test_known_so_far(void)
     CU_ASSERT(measured(&t, "by_phase") == 0.0 && measured(&t, "last") == (double)exp_steps(t.run));
 }
 
+/* 400 levels at random, each for ten samples: a line through these has the error of 400 values. */
+static void test_line_of_correlated(void)
+{
+    static const char text[] =
+        "dt = 1.0e-4; gravity = [0.0, 0.0]; particles = ( { x = 1.0; y = 5.0; r = 0.1; } );\n"
+        "phases = ( { name = `wait`; every = 10; steps = 40000; } );\n"
+        "measure = ( { name = `l`; of = `sin(7*(floor(100*t) + 0.5)^2)`; during = `wait`; take = `line`; "
+        "against = `t`; } );\n";
+    RUN_TRIAL(t, text, 1, "ok");
+    const double sd_of_t = 4.0 / sqrt(12.0), expected = sqrt(0.5 / 400.0) / sd_of_t;
+    CU_ASSERT(fabs(measured(&t, "l_1_se") / expected - 1.0) < 0.35);
+    CU_ASSERT(fabs(measured(&t, "l_1")) < 3.0 * expected);
+}
+
 /* A grain on a level floor presses with its weight, wherever the floor lies and which region it is in; beside
  * the region it counts only in the weight. Of a floor that is not level there is no number. */
 static void test_forces(void)
@@ -968,8 +982,9 @@ static void test_random_texts(void)
 }
 
 CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, test_rest_by_gravity,
-                   test_looks_at_rest, test_phases, test_known_so_far, test_forces, test_surface_and_motion,
-                   test_walls, test_vibrated, test_modules, test_flanks_of_touching, test_avalanches,
-                   test_limits_of_radii, test_more_modules, test_mean_grain, test_refused_more, test_cuts,
-                   test_kept, test_started_at, test_words, test_refused, test_keys, test_random_texts,
-                   test_run, test_resumed, test_swept, test_shared_ends, test_sweeps_refused)
+                   test_looks_at_rest, test_phases, test_known_so_far, test_line_of_correlated, test_forces,
+                   test_surface_and_motion, test_walls, test_vibrated, test_modules, test_flanks_of_touching,
+                   test_avalanches, test_limits_of_radii, test_more_modules, test_mean_grain,
+                   test_refused_more, test_cuts, test_kept, test_started_at, test_words, test_refused,
+                   test_keys, test_random_texts, test_run, test_resumed, test_swept, test_shared_ends,
+                   test_sweeps_refused)

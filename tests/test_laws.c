@@ -296,6 +296,10 @@ static void bad_restitution(void)
     def.restitution_speed = 0.01;
     CHECK_OK(dem_create(&def, &sim));
     dem_free(sim);
+    /* nearer to 1 than an impact is computed: no damping, as 1 has */
+    const dem_head_on near = {.normal = DEM_HERTZ, .k_n = 1e6, .m_eff = 0.002, .v = 50.0, .tension = true};
+    CHECK_OK(dem_damping_of(&near, 1.0 - 1e-15, &gamma_n));
+    CU_ASSERT(gamma_n >= 0.0 && gamma_n < 1e-6);
     def.material.restitution = 1.1;
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "restitution = 1.1");
     def.material.restitution = 0.5, def.material.k_n = 0.0;

@@ -151,8 +151,12 @@ rp_status dem_wall_open(dem_sim *sim, size_t wall, double speed)
 {
     RP_TRY(check_number(sim, wall));
     dem_wall next = sim->walls.wall[wall];
+    double ends[2];
+    const bool left = dem_wall_ends(sim, wall, ends), same = next.open_speed == speed;
     next.open_at_step = sim->step + 1, next.open_speed = speed;
+    if (dem_wall_opens(sim, wall)) next.extent[0] = ends[0];
     RP_TRY(rp_prefix(dem_wall_check(&next), "wall %zu: ", wall + 1));
+    if (!left || (same && dem_wall_opens(sim, wall))) return RP_OK;
     sim->walls.wall[wall] = next;
     sim->walls.line[wall].plain = false;
     return RP_OK;

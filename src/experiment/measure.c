@@ -216,15 +216,20 @@ static rp_status avalanches(const exp_measure *m, const exp_samples *s, double o
     return RP_OK;
 }
 
-/* The straight line through the samples. */
-static rp_status straight(const exp_samples *s, const double v[], double x[], double out[])
+/* The straight line through the samples. Errors are of independent passes, or of a series whose distances
+ * from the line are correlated; of one that is too short for that, as if all were one. */
+static rp_status straight(const exp_samples *s, bool is_series, double v[], double x[], double out[])
 {
     stats_line line;
+    stats_series series = {.tau = 0.5};
     for (size_t i = 0; i < s->n; i++)
         if (!isfinite(x[i] = s->at[i].beside)) return rp_fail(RP_NO_RESULT, "against is %g", x[i]);
     RP_TRY(stats_line_fit(&(stats_xy){s->n, x, v, NULL}, false, &line));
     out[0] = line.intercept, out[1] = line.slope;
-    if (line.dof > 0) out[2] = line.intercept_se, out[3] = line.slope_se;
+    for (size_t i = 0; i < s->n; i++) v[i] -= line.intercept + line.slope * x[i];
+    if (is_series && stats_blocking(s->n, v, x, &series)) series.tau = 0.5 * (double)s->n;
+    const double factor = sqrt(fmax(2.0 * series.tau, 1.0));
+    if (line.dof > 0) out[2] = factor * line.intercept_se, out[3] = factor * line.slope_se;
     return RP_OK;
 }
 
@@ -244,7 +249,7 @@ static rp_status reduce(const exp_run *run, const exp_measure *m, double out[])
     RP_NEW(&arena, v, s.n);
     RP_NEW(&arena, work, s.n);
     for (size_t i = 0; i < s.n; i++) v[i] = s.at[i].value;
-    if (m->take == TAKE_LINE) return straight(&s, v, work, out);
+    if (m->take == TAKE_LINE) return straight(&s, *m->during != '\0', v, work, out);
     if (m->take == TAKE_AVALANCHES) return avalanches(m, &s, out);
     if (m->take == TAKE_RATE) return rate(&s, &arena, out);
     out[0] = v[0];

@@ -154,6 +154,8 @@ static rp_status damping_at_speed(damping_problem *p, double *gamma_n)
     const dem_normal_descriptor *law = &dem_normal_descriptors[o->normal];
     const double length = law->impact_overlap(o->k_n, o->m_eff, o->v);
     double high = o->v / length / law->damping_rate(o->k_n, 1.0, o->m_eff, length);
+    *gamma_n = 0.0;
+    if (!(excess_restitution(0.0, p) > 0.0)) return p->status; /* nearer to 1 than an impact is computed */
     while (excess_restitution(high, p) > 0.0 && !p->status) high *= 2.0;
     gsl_function f = {excess_restitution, p};
     gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
@@ -167,7 +169,7 @@ static rp_status damping_at_speed(damping_problem *p, double *gamma_n)
     }
     *gamma_n = gsl_root_fsolver_root(solver);
     gsl_root_fsolver_free(solver);
-    return p->status;
+    return !state || p->status ? p->status : rp_fail(RP_BROKEN, "restitution: no gamma_n found");
 }
 
 rp_status dem_damping_of(const dem_head_on *o, double restitution, double *gamma_n)
