@@ -154,6 +154,8 @@ rp_status dem_wall_open(dem_sim *sim, size_t wall, double speed)
     double ends[2];
     const bool left = dem_wall_ends(sim, wall, ends), same = next.open_speed == speed;
     next.open_at_step = sim->step + 1, next.open_speed = speed;
+    if (sim->def.ground.wall == (long)wall + 1)
+        return rp_fail(RP_BAD_INPUT, "wall %zu: the ground can't open", wall + 1);
     if (dem_wall_opens(sim, wall)) next.extent[0] = ends[0];
     RP_TRY(rp_prefix(dem_wall_check(&next), "wall %zu: ", wall + 1));
     if (!left || (same && dem_wall_opens(sim, wall))) return RP_OK;

@@ -319,6 +319,10 @@ rp_status exp_read_phase(exp_plan *plan, size_t k)
     size_t wall = 0;
     RP_TRY(exp_find(plan, EXP_WALL, p->setting, "open", p->open, &wall));
     p->opens = *p->open ? (long)wall : -1;
+    for (size_t i = 0; *p->open && i < plan->walls[wall].n; i++)
+        if (plan->scene.def.ground.wall == (long)plan->walls[wall].walls[i] + 1)
+            return rp_config_fail(member(p->setting, "open"), "open = \"%s\": the ground can't open",
+                                  p->open);
     return RP_OK;
 }
 
