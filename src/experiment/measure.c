@@ -241,7 +241,9 @@ static rp_status reduce(const exp_run *run, const exp_measure *m, double out[])
     exp_samples s = {0};
     double *v, *work;
     stats_series series = {0};
-    if (all->n == 0) return rp_fail(RP_NO_RESULT, "no samples");
+    if (all->n == 0)
+        return rp_fail(RP_NO_RESULT, "no samples: phase %s is looked at every %ld steps",
+                       run->plan->phases[m->phase].name, run->plan->phases[m->phase].every);
     for (size_t i = 0; i < all->n; i++)
         if (!isfinite(all->at[i].value)) return rp_fail(RP_NO_RESULT, "a sample is %g", all->at[i].value);
     RP_TRY(take_counting(run, m, &arena, &s));

@@ -35,6 +35,23 @@ static rp_status read_group(const config_setting_t *root, int number, void *valu
     return rp_config_group(group, SCHEMA(number), values, "if");
 }
 
+/* A text has one seed and one run: of its first fill, or at its top. */
+static rp_status check_seeds(const config_setting_t *root)
+{
+    static const char *const keys[] = {"seed", "run"};
+    const config_setting_t *fill = member(root, "fill");
+    const bool list = fill && config_setting_is_list(fill);
+    for (int k = 0; fill && k < (list ? config_setting_length(fill) : 1); k++)
+        for (int i = 0; i < 2; i++) {
+            const config_setting_t *of = list ? config_setting_get_elem(fill, (unsigned)k) : fill,
+                                   *own = config_setting_is_group(of) ? member(of, keys[i]) : NULL;
+            if (own && (k > 0 || member(root, keys[i])))
+                return rp_config_fail(own, "%s: one for all, of the first fill or at the top of the file",
+                                      keys[i]);
+        }
+    return RP_OK;
+}
+
 rp_status dem_text_scene(dem_text *text, dem_scene *scene)
 {
     static const char others[] =
@@ -75,6 +92,7 @@ rp_status dem_text_scene(dem_text *text, dem_scene *scene)
                                   *key, scene->steps);
     RP_TRY(dem_read_grains(text->path, root, scene));
     /* seed and run of the text go before those of its first fill, and are for what phases add too */
+    RP_TRY(check_seeds(root));
     rp_params_defaults(SCHEMA(FILL), &streams);
     if (scene->fills) streams = *scene->fills;
     RP_TRY(rp_config_peek(root, SCHEMA(FILL), "seed run", &streams));
