@@ -123,9 +123,10 @@ static void refused(void)
          "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; E = 1e8; k_n = 1e5; } );",
          ":3: E and k_n or k_s of a wall; keep one"},
         {"contacts_file = \"c.tsv\";", "contacts_file: needs particles_file"},
-        {"seed = 1; fill = { N = 3; W = 3.0; H = 3.0; seed = 2; };", ":2: seed: one for all"},
-        {"fill = ( { N = 3; W = 3.0; H = 3.0; seed = 2; }, { N = 3; W = 3.0; H = 3.0; run = 2; } );",
-         ":2: run: one for all"},
+        {"fill = ( { N = 3; W = 3.0; H = 3.0; seed = 2; }, { N = 3; W = 3.0; H = 3.0; run = 2; } ); phases = "
+         "( { name "
+         "= \"a\"; steps = 1; } );",
+         ":2: run: of the first fill"},
         {"colour = 1;", ":2: colour: unknown key"},
         {"partcles = 1;", ":2: partcles: unknown key (did you mean \"particles\"?)"},
         {"tangential = { la = \"spring\"; };",

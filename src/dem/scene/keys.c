@@ -151,7 +151,7 @@ static const rp_param fill_schema[] = {
     {"x0", "cm", RP_REAL, AT(dem_fill, x0), "0.0", "(-inf, inf)", "left end of the region"},
     {"y0", "cm", RP_REAL, AT(dem_fill, y0), "0.0", "(-inf, inf)", "lower end of the region"},
     {"seed", "", RP_INT, AT(dem_fill, seed), "1993", "[0, 2147483647]",
-     "of the random streams; at the top of a file, also of grains that phases add"},
+     "of the random streams; at the top of a file it goes before this, and is of grains that phases add too"},
     {"run", "", RP_INT, AT(dem_fill, run), "0", "[0, 2147483647]",
      "number of the streams within the seed; there too"},
     RADII_ROWS{"pattern", "", RP_CHOICE, AT(dem_fill, pattern), "random", DEM_WORDS(DEM_PATTERNS),

@@ -35,18 +35,18 @@ static rp_status read_group(const config_setting_t *root, int number, void *valu
     return rp_config_group(group, SCHEMA(number), values, "if");
 }
 
-/* A text has one seed and one run: of its first fill, or at its top. */
+/* Phases have one stream, whose seed is that of the text or its first fill. */
 static rp_status check_seeds(const config_setting_t *root)
 {
     static const char *const keys[] = {"seed", "run"};
     const config_setting_t *fill = member(root, "fill");
-    const bool list = fill && config_setting_is_list(fill);
-    for (int k = 0; fill && k < (list ? config_setting_length(fill) : 1); k++)
+    const int n =
+        fill && config_setting_is_list(fill) && member(root, "phases") ? config_setting_length(fill) : 0;
+    for (int k = 1; k < n; k++)
         for (int i = 0; i < 2; i++) {
-            const config_setting_t *of = list ? config_setting_get_elem(fill, (unsigned)k) : fill,
-                                   *own = config_setting_is_group(of) ? member(of, keys[i]) : NULL;
-            if (own && (k > 0 || member(root, keys[i])))
-                return rp_config_fail(own, "%s: one for all, of the first fill or at the top of the file",
+            const config_setting_t *of = config_setting_get_elem(fill, (unsigned)k), *own;
+            if (config_setting_is_group(of) && (own = member(of, keys[i])))
+                return rp_config_fail(own, "%s: of the first fill, or at the top of the file, for all",
                                       keys[i]);
         }
     return RP_OK;
