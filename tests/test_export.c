@@ -686,14 +686,18 @@ static void test_refused(void)
         {"tangential.mu=infinite", "tangential.mu = infinite"},
         {"normal.gamma_n=0", "tangential.gamma_s = 30"},
         {"tangential.law=mindlin", "tangential.gamma_s = 30: LAMMPS damps shear"},
-        {"contacts_file=contacts.tsv", "contacts_file: springs"},
+        {"particles_file=bed.tsv --set contacts_file=contacts.tsv", "contacts_file: springs"},
         {"x_max=5", "x_max: "},
         {"y_min=-5", "y_min: "},
         {"gravity_turn_deg_per_step=0.1", "gravity_turn_deg_per_step"},
         {"box_turn_deg_per_step=0.1", "box_turn_deg_per_step"}};
     write_grains("grains.tsv");
     write_same(0);
-    write_text("contacts.tsv", "# id_a\tid_b\twall\tshear_spring\n1\t2\t0\t0.01\n");
+    write_text("bed.tsv", "# id\tx\ty\tr\n1\t0\t0.5\t0.1\n2\t0.2\t0.5\t0.1\n");
+    write_text(
+        "contacts.tsv",
+        "# "
+        "id_a\tid_b\twall\tx_b\ty_b\toverlap\tshear_spring\trolling_spring\n1\t2\t0\t0.1\t0.5\t0\t0.01\t0\n");
     for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
         FAILS(65, refused[i][1], "export spring.cfg --to lammps-input -o a.in --set %s", refused[i][0]);
     static const char *const walls[][2] = {
