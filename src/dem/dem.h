@@ -290,9 +290,9 @@ typedef struct {
 rp_status dem_run_timed(dem_sim *sim, long steps, dem_phases *times);
 
 /* From the next step on: open wall number `wall` at `speed` (INFINITY: at once), also one that has begun to
- * open, from where it is; turn gravity by this angle
- * a step (0 stops it), |angle| <= 1; let gravity be g, from which a turn then continues. Errors: RP_BAD_INPUT
- * (no such wall, a speed that dem_create would refuse, an angle, g); then nothing has changed. */
+ * open, from where it is; turn gravity by this angle a step (0 stops it), |angle| <= 1; let gravity be g,
+ * from which a turn then continues. Errors: RP_BAD_INPUT (no such wall, the ground, a speed that dem_create
+ * would refuse, an angle, g); then nothing has changed. */
 rp_status dem_wall_open(dem_sim *sim, size_t wall, double speed);
 
 /* From the next step on, wall number `wall` moves so from where it is, about its pivot, which has moved
