@@ -454,8 +454,7 @@ static void test_page(void)
     for (const char *c = text; *c; c++) words += !strchr(" \n|", *c) && (c == text || strchr(" \n", c[-1]));
     for (char *save, *line = strtok_r(text, "\n", &save); line; line = strtok_r(NULL, "\n", &save), lines++)
         check_page_line(line);
-    CU_ASSERT(lines > 150);
-    CU_ASSERT(words > 1000 && words <= MOST_WORDS);
+    CU_ASSERT(lines > 150 && words > 1000 && words <= MOST_WORDS);
 }
 
 /* A cell of a pool: the grid point of its row, in the larger ensemble of its sweep. */

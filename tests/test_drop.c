@@ -201,10 +201,8 @@ static void planted_dips(void)
             missed += k == 3 && !(d.excess.lo <= -0.1 * TOP && -0.1 * TOP <= d.excess.hi);
         }
     }
-    CU_ASSERT(found[0] >= 1 && found[0] <= 20);
-    CU_ASSERT(found[1] > 10 && found[1] < 55);
-    CU_ASSERT(found[2] > 95 && found[2] < 160 && found[3] > 190);
-    CU_ASSERT(missed >= 1 && missed <= 20);
+    CU_ASSERT(found[0] >= 1 && found[0] <= 20 && found[1] > 10 && found[1] < 55);
+    CU_ASSERT(found[2] > 95 && found[2] < 160 && found[3] > 190 && missed >= 1 && missed <= 20);
     CU_ASSERT(none > 180);
 }
 

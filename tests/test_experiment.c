@@ -271,6 +271,19 @@ static void test_kept(void)
     for (long k = 1; k < 12; k++) check_cut(hopper, &whole, 61 * k, 5 * k * 61 * k, 61 * k);
 }
 
+/* Where a run is: its phase, and what an `until` waits for once that has begun. */
+static void test_where(void)
+{
+    scoped_trial one, two;
+    char text[256];
+    start(&one, hopper), start(&two, shaken);
+    CU_ASSERT(strcmp(exp_where(one.run, text, sizeof text), "fill") == 0);
+    CHECK_OK(exp_advance(one.run, 500));
+    CHECK_OK(exp_advance(two.run, 500));
+    CHECK_PARTS(exp_where(one.run, text, sizeof text), "fill: energy = ", ", until held(energy < 1e-3, 3)");
+    CU_ASSERT(strcmp(exp_where(two.run, text, sizeof text), "fall") == 0);
+}
+
 static void test_words(void)
 {
     static const trial_change cases[] = {
@@ -966,5 +979,6 @@ CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, te
                    test_looks_at_rest, test_phases, test_known_so_far, test_forces, test_surface_and_motion,
                    test_walls, test_vibrated, test_modules, test_flanks_of_touching, test_avalanches,
                    test_limits_of_radii, test_more_modules, test_mean_grain, test_refused_more, test_cuts,
-                   test_kept, test_started_at, test_words, test_refused, test_keys, test_random_texts,
-                   test_run, test_resumed, test_swept, test_shared_ends, test_sweeps_refused)
+                   test_kept, test_where, test_started_at, test_words, test_refused, test_keys,
+                   test_random_texts, test_run, test_resumed, test_swept, test_shared_ends,
+                   test_sweeps_refused)

@@ -16,7 +16,8 @@
 typedef struct {
     size_t n_names, n_numbers;
     bool degenerate, arch; /* every number is one of the same sum; rises and falls */
-    double fails;          /* the sum of the first two names above which runs have no number; 0: none */
+    double fails;          /* the sum of the first two names above which runs have no number; 0: none; below
+                              0: minus the last name alone */
     double scatter[STATS_NUMBERS];
     gsl_rng *noise;
     rp_arena arena;
@@ -47,6 +48,7 @@ static rp_status run(void *host, size_t stage, size_t *n, const double **x, cons
             stats_runs *r = &(*runs)[k * *n + i];
             const double *at = &(*x)[i * s->n_names];
             if (s->fails > 0.0 && at[0] + (s->n_names > 1 ? at[1] : 0.0) > s->fails) continue;
+            if (s->fails < 0.0 && at[s->n_names - 1] > -s->fails) continue;
             for (size_t j = 0; j < replicas[0]; j++) {
                 const double y = number_of(s, k, at) + gsl_ran_gaussian(s->noise, s->scatter[k]),
                              d = y - r->mean;
@@ -162,7 +164,15 @@ static void test_arch(void)
         CHECK_NEAR(i->value, root, 0.02);
         CU_ASSERT(i->lower < root && i->upper > root && i->upper - i->lower < 0.05);
     }
-    q.value[0] = 29.9;
+    q.error[0] = 0.2;
+    for (int c = 0; c < 50; c++) { /* the form adds an eighth to the error, at the other value too */
+        CHECK_OK(stats_identify(&q, &a));
+        for (size_t k = 0; k < a.n_intervals[0]; k++) {
+            const stats_interval *i = &a.interval[0][k];
+            CU_ASSERT((i->upper - i->lower) * 100.0 * fabs(i->value - 0.5) < 1.15 * 1.96 * q.error[0]);
+        }
+    }
+    q.value[0] = 29.9, q.error[0] = 0.3;
     CHECK_OK(stats_identify(&q, &a));
     CU_ASSERT(a.status[0] == STATS_IDENTIFIED_OK && a.own[0].lower < 0.5 && a.own[0].upper > 0.5);
     q.value[0] = 36.0;
@@ -190,6 +200,23 @@ static void test_degenerate(void)
         CU_ASSERT(a.sum_error < 0.1);
     }
     CU_ASSERT((double)said >= 0.95 * (double)n && (double)inside > 0.9 * (double)n);
+}
+
+/* A straight line is fitted as one: in the middle its error is that of a mean, a cubic's half as much again.
+ */
+static void test_line(void)
+{
+    scoped_stand_in s = {.n_names = 1, .n_numbers = 1, .degenerate = true, .scatter = {0.5}};
+    int straight = 0;
+    s.noise = rp_random_alloc(21, 1, RP_PURPOSE_TEST);
+    for (int k = 0; k < 8; k++) {
+        stats_quest q = quest_of(&s, (double[STATS_NAMES]){0.5}, 0.3);
+        stats_answer a;
+        q.budget = 24;
+        CHECK_OK(stats_identify(&q, &a));
+        straight += a.fit_error[0] < 1.25 * s.scatter[0] / sqrt(24.0);
+    }
+    CU_ASSERT(straight >= 4);
 }
 
 static bool below(void *host, const double x[])
@@ -261,6 +288,10 @@ static void test_failing(void)
         CHECK_OK(stats_identify(&q, &a));
         CU_ASSERT(a.status[0] == (k ? STATS_IDENTIFIED_NO_RUNS : STATS_IDENTIFIED_OK));
     }
+    s.fails = -0.6;
+    const stats_quest q = quest_of(&s, (double[]){0.7, 0.3}, 0.1);
+    CHECK_OK(stats_identify(&q, &a));
+    CU_ASSERT(a.status[0] == STATS_IDENTIFIED_OK && a.hi[0] == 1.0 && a.hi[1] > 0.5 && a.hi[1] <= 0.6);
 }
 
 /* A curved valley a thousandth as wide as the box, which a grid misses. */
@@ -298,5 +329,5 @@ static void test_valleys(void)
     }
 }
 
-CHECK_SUITE(identify, "identify", test_valleys, test_one, test_two, test_three, test_arch, test_degenerate,
-            test_statuses, test_failing)
+CHECK_SUITE(identify, "identify", test_valleys, test_one, test_two, test_three, test_arch, test_line,
+            test_degenerate, test_statuses, test_failing)

@@ -369,11 +369,10 @@ static void fill_among_walls(void)
 /* Listed grains overlap by a tenth of the smaller radius at most, or as far as they may be loaded. */
 static void listed_overlaps(void)
 {
-    static const char *const text =
-        "dt = 2e-5; steps = 3; normal = { }; walls = ( { point = [0.0, 0.0]; direction = [0.0, "
-        "1.0]; }, { polygon = ( [5.0, 0.0], [6.0, 0.0] ); closed = false; } );\n"
-        "particles = ( { x = 0.0; y = 0.1; r = 0.1; },\n{ x = 1.0; y = 0.2; r = "
-        "0.2; },\n{ x = 1.0; y = 0.491; r = 0.1; } );\n";
+    static const char *const text = "dt = 2e-5; steps = 3; walls = ( { point = [0.0, 0.0]; direction = [0.0, "
+                                    "1.0]; }, { polygon = ( [5.0, 0.0], [6.0, 0.0] ); closed = false; } );\n"
+                                    "particles = ( { x = 0.0; y = 0.1; r = 0.1; },\n{ x = 1.0; y = 0.2; r = "
+                                    "0.2; },\n{ x = 1.0; y = 0.491; r = 0.1; } );\n";
     static const struct {
         rp_texts changes;
         const char *message;

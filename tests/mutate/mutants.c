@@ -24,7 +24,7 @@
 #define DECLARES "^([a-z]| *(static |const )*" TYPE " [*]?(const )?[][A-Za-z0-9_, ]+\\[)"
 #define HELP     "^ *\".*[\\]n\"" /* a line of a command's help */
 #define LEAVE                                                                                                \
-    "alloc\\(|cli_memory\\(|no_memory\\(|RP_NO_MEMORY|static_assert|if \\((![a-z_>-]+ \\|\\| "               \
+    "alloc\\(|_memory\\(|RP_NEW\\(|no_memory\\(|RP_NO_MEMORY|static_assert|if \\((![a-z_>-]+ \\|\\| "        \
     ")+![a-z_>-]+\\)"
 
 typedef struct {

@@ -32,6 +32,7 @@ files='analytic/*.c src/angle/*.c src/core/sparse.c src/core/elementary.c src/st
     validation/cases.c validation/oblique.c validation/solved_pile.c'
 
 suites_of() {
+    case $1 in src/* | sweeps/*) echo scene experiment golden ;; esac # what all of it ends in
     case $1 in
     analytic/*) echo property analytic ;;
     src/angle/*) echo property angle view tables ;;
@@ -49,7 +50,7 @@ suites_of() {
     src/statics/*) echo property piles equilibrium ;;
     src/dem/scene/fill.c | src/dem/scene/radii.c) echo fills scene golden experiment ;;
     src/dem/scene/output.c) echo core tables scene keys evidence sweep cli ;;
-    src/dem/scene/*) echo walls scene tables keys notes cli ;;
+    src/dem/scene/*) echo walls scene material fills tables keys notes cli ;;
     src/dem/setup/physics.c | src/dem/setup/check.c) echo scene dem laws walls keys units hard motion soft tables sweep ;;
     src/core/* | src/params/* | src/table/table.c) echo core tables scene keys evidence sweep cli ;;
     src/table/columns.c | src/table/where.c) echo core columns calibrate_text tables evidence options cli ;;
@@ -84,12 +85,12 @@ suites_of() {
     sweeps/protocols/pile.c) echo piles golden ;;
     sweeps/engine/*) echo sweep notes tables evidence cli ;;
     src/dem/forces/walls.c | src/dem/forces/touch.c | src/dem/state/slots.c) echo units actions walls scene tables contacts incline rotation golden ledger ;;
-    *) echo units soft property rotation incline contacts published motion hard walls golden scene dem laws ;;
+    *) echo units soft property material sizes rotation incline contacts published motion hard walls golden scene dem laws ;;
     esac
 }
 
 # Those suites, the quickest first; the times are in the folder $2.
-quickest() { for suite in $(suites_of "$1"); do grep -w "$suite" "$2/times"; done | sort -n | cut -d ' ' -f 2; }
+quickest() { for suite in $(suites_of "$1" | tr ' ' '\n' | sort -u); do grep -w "$suite" "$2/times"; done | sort -n | cut -d ' ' -f 2; }
 
 # Build and test the tree $1, beside that of the program as it is; prints the outcome and the test that saw it,
 # "broken" if the tree does not compile.
