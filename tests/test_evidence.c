@@ -10,6 +10,7 @@
 
 #include "table/table.h"
 #include "dem/scene/text.h"
+#include "report/verdict.h"
 #include "sweeps/engine/experiment.h"
 #include "sweeps/engine/private.h"
 #include "sweeps/protocols/protocols.h"
@@ -509,6 +510,38 @@ static void test_joint_claims(void)
     REPORT_FAILS(65, "claim x: error: se, or sd of so many samples, expected", ASK);
 }
 
+/* The same for each choice that the claims leave open: of k and mu they leave none, one of them by what its
+ * paper has elsewhere; of the wall the first and the last. */
+static void test_joint_choices(void)
+{
+    FILE *points = file_of("c.tsv");
+    fputs("k\tmu\tslip\twall\ta_mean\ta_se\tn\tn_failed\n", points);
+    for (int i = 0; i < 16; i++) {
+        const int k = 1 + i / 8, mu = 4 + i / 4 % 2, slip = 3 * (i / 2 % 2), wall = 1 + i % 2;
+        fprintf(points, "%d\t%d\t%d\t%d\t%g\t0.5\t%d\t%d\n", k, mu, slip, wall,
+                20.0 + 0.5 * k + 0.25 * mu + slip + 0.125 * wall, 10 + k + wall, k * wall);
+    }
+    fclose(points);
+    write_text("claims.tsv", "# at lh: slip=7 mu=4\n" HEADER
+                             "one\t-\tlh\t-\ts\tagrees\t20\t0.75\t-\t9\t-\tt k=1 mu=5 a\t-\tx\t-\n"
+                             "two\t-\tlh\t-\ts\tagrees\t20\t0.75\t-\t9\t-\tt k=2 a\t-\tx\t-\n" ROW(
+                                 "both", "joint", "-", "-", "one two", "-"));
+    REPORTS("joint --claims claims.tsv --tables . --id both --table c --column a --either wall");
+    scoped_table t = read_table("out");
+    CU_ASSERT(t.n_rows == 4 && strcmp(t.names[0], "slip") == 0 && strcmp(t.names[1], "wall") == 0);
+    CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "dof"), "2, with a common shift 1");
+    for (size_t i = 0; i < t.n_rows; i++) {
+        const double wall = 1.0 + (double)(i % 2), rest = 3.0 * (double)(i / 2) + 0.125 * wall;
+        stats_number d[] = {{1.75 + rest, 0.5}, {2.0 + rest, 0.5}};
+        for (int k = 0; k < 2; k++) d[k].se = hypot(report_of_few(d[k], 11.0 + k + wall).se, 0.75);
+        const report_together of = report_joint(2, d);
+        CU_ASSERT_STRING_EQUAL(word(&t, i, "wall"), i % 2 ? "last" : "first");
+        CHECK_EACH(cell(&t, i, NAME), 1e-4, {"slip", 3.0 * (double)(i / 2)}, {"chi2", of.chi2},
+                   {"p_value", of.p}, {"shift", of.shift.value}, {"shift_se", of.shift.se}, {"left", of.left},
+                   {"n_least", 11.0 + wall}, {"n_failed", 3.0 * wall});
+    }
+}
+
 /* ---- dips and peaks ---- */
 
 /* Even profiles but for the middle tenth on each side, with the excess of that step. */
@@ -982,6 +1015,6 @@ static void test_remade(void)
 }
 
 CHECK_SUITE_WITHIN(evidence, "evidence", enter, leave, test_verdicts, test_section, test_failed_cells,
-                   test_references, test_needs, test_family, test_joint_claims, test_dips, test_rays,
-                   test_settings, test_rows, test_made, test_names, test_claims_again, test_pages,
+                   test_references, test_needs, test_family, test_joint_claims, test_joint_choices, test_dips,
+                   test_rays, test_settings, test_rows, test_made, test_names, test_claims_again, test_pages,
                    test_checksums, test_commits, test_remade)
