@@ -157,12 +157,12 @@ static void test_slurm(void)
                            check_text("sbatch %s/array.sh\nparallel -q --sshlogin HOST1,HOST2 %s sweep run "
                                       "%s --shard {}/7 -j 3 ::: $(seq 7)\nrepose sweep merge %s\n",
                                       folder, program, folder, folder));
-    CU_ASSERT_PTR_NOT_NULL(strstr(script, "#SBATCH --array=1-7\n#SBATCH --cpus-per-task=3\n#SBATCH "
-                                          "--time=0:30:00\n#SBATCH --mem-per-cpu=2G\n"));
-    CU_ASSERT_PTR_NOT_NULL(strstr(
-        script, check_text("exec >>%s/shards/$SLURM_ARRAY_TASK_ID-of-7.log 2>&1\n%s sweep run %s --shard "
+    CHECK_PARTS(script,
+                "#SBATCH --array=1-7\n#SBATCH --cpus-per-task=3\n#SBATCH "
+                "--time=0:30:00\n#SBATCH --mem-per-cpu=2G\n",
+                check_text("exec >>%s/shards/$SLURM_ARRAY_TASK_ID-of-7.log 2>&1\n%s sweep run %s --shard "
                            "$SLURM_ARRAY_TASK_ID/7 -j 3 &\n",
-                           folder, program, folder)));
+                           folder, program, folder));
     CHECK_FAILURES(list);
 }
 
@@ -1147,8 +1147,8 @@ static void test_report(void)
     CU_ASSERT_STRING_EQUAL(out, "8 7 7 9\n");
     write_text("in.md", "{{claims li}}\n{{scores all}}\n");
     REPORTS("page in.md --tables . --claims claims.tsv");
-    CU_ASSERT(strstr(out, "| high | high | word | 0.100 ± 0.010 | 12 | reproduced | note |\n") != NULL);
-    CU_ASSERT(strstr(out, "|---|---|---|---|\n| angle | 20.10 ± 1 |  | no data |\n") != NULL);
+    CHECK_PARTS(out, "| high | high | word | 0.100 ± 0.010 | 12 | reproduced | note |\n",
+                "|---|---|---|---|\n| angle | 20.10 ± 1 |  | no data |\n");
 #define BAD_PLACE(text, message)                                                                             \
     write_text("in.md", text);                                                                               \
     REPORT_FAILS(65, message, "page in.md --tables . --claims claims.tsv")
@@ -1322,8 +1322,7 @@ static void test_sweep(void)
     write_sweep();
     PRINTS("d1: 4 runs (2 grid points x 2 replicas), 0 already stored", "sweep plan s.cfg -o d1");
     GOOD("sweep plan s.cfg -o d1 --json");
-    CU_ASSERT(strstr(out, "\"folder\": \"d1\"") &&
-              strstr(out, "{\"runs\": 4, \"points\": 2, \"replicas\": 2, \"stored\": 0}"));
+    CHECK_PARTS(out, "\"folder\": \"d1\"", "{\"runs\": 4, \"points\": 2, \"replicas\": 2, \"stored\": 0}");
     FAILS(1, "d1: 4 of 4 runs are missing", "sweep digest d1");
     FAILS(1, "the table is not whole: d1: 4 of 4 runs are missing", "sweep export d1 -o part.tsv");
     SHELL("test $(grep -vc '^#' part.tsv) = 1"); /* the names, and no run */
@@ -1555,8 +1554,8 @@ static void test_limits(void)
     CU_ASSERT(run("sweep run d -j 2 --time 0.5") == 1 &&
               strstr(err, "1 of 2 runs were aborted (time_limit 1); the same"));
     CU_ASSERT(strstr(err, "run 1 (relax_steps = 1e+09): ended after ") != NULL);
-    CU_ASSERT(strstr(out, "# missing: 0\n# aborted: 1, to be tried again\n") != NULL);
-    CU_ASSERT(strstr(out, "\nok_fixed_time\t1\ntime_limit\t1\n") != NULL);
+    CHECK_PARTS(out, "# missing: 0\n# aborted: 1, to be tried again\n",
+                "\nok_fixed_time\t1\ntime_limit\t1\n");
     FAILS(1, "no digest: d: 1 of 2 runs were aborted", "sweep digest d");
     for (int reduce = 0; reduce < 2; reduce++) {
         FAILS(1, "not whole: d: 1 of 2 runs were aborted", "sweep export d%s", reduce ? " --reduce" : "");

@@ -678,8 +678,7 @@ static void guesses(void)
     }
     char many[128];
     memset(many, 'x', 127), many[127] = '\0';
-    CU_ASSERT_EQUAL(rp_edit_distance(many, "mu"), SIZE_MAX);
-    CU_ASSERT_EQUAL(rp_edit_distance(many + 64, many + 64), 0);
+    CU_ASSERT(rp_edit_distance(many, "mu") == SIZE_MAX && rp_edit_distance(many + 64, many + 64) == 0);
     static const char *const nearest[][2] = {
         {"sprin", "spring"}, {"frict", "friction"}, {"K", "k"},      {"x", ""},
         {"ab", ""},          {"frob", ""},          {"noen", "none"}};

@@ -307,8 +307,7 @@ static void every_disk_must_rest(void)
 {
     sweep_result loose = run("N=2 rest_speed=1 max_steps=300 rest_force=10"),
                  strict = run("N=2 rest_speed=1 max_steps=300 rest_force=1e-9");
-    CHECK_NEAR(output(&loose, "capped_share"), 0.0, 0.0);
-    CHECK_NEAR(output(&strict, "capped_share"), 1.0, 0.0);
+    CHECK_ALL_NEAR(0.0, {output(&loose, "capped_share"), 0.0}, {output(&strict, "capped_share"), 1.0});
 }
 
 /* With little rolling resistance disks roll away: they are counted, carry no load and do not belong to the

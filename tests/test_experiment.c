@@ -457,6 +457,8 @@ static void test_run(void)
     CU_ASSERT(m.n_rows == 8 && cell(&m, 0, "value") > 0.5);
     scoped_table series = read_table("whole/series_mean_y.tsv");
     CU_ASSERT(series.n_rows > 10);
+    PRINTS("\nD\tlet\t1.6\tcm\t(0, 6)\toutlet\n", "params h.cfg");
+    CHECK_PARTS(out, "\nN\tlet\t60\t-\t-\t-\n", "\nrate\tmeasure\t-\t1/s\t-\t");
     FAILS(64, "--every needs -o DIR", "run h.cfg --every 3");
     FAILS(65, "--set Mu=0.3: no such key or let (did you mean \"mu\"?)", "run h.cfg --set Mu=0.3");
     FAILS(65, "let.D: D = 7: out of range, allowed: (0, 6) cm", "run h.cfg --set D=7");

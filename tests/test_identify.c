@@ -202,8 +202,7 @@ static void test_degenerate(void)
     CU_ASSERT((double)said >= 0.95 * (double)n && (double)inside > 0.9 * (double)n);
 }
 
-/* A straight line is fitted as one: in the middle its error is that of a mean, a cubic's half as much again.
- */
+/* A straight line is fitted as one: in the middle its error is that of a mean, a cubic's 1.5 of it. */
 static void test_line(void)
 {
     scoped_stand_in s = {.n_names = 1, .n_numbers = 1, .degenerate = true, .scatter = {0.5}};

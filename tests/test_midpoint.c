@@ -59,8 +59,7 @@ static void slides_and_creeps(void)
     CU_ASSERT(slid > 30 && slid < 60);
 }
 
-/* A disk moves in its well: the depth belongs to N = m g throughout, since the disk is in vertical
- * equilibrium. */
+/* A disk moves in its well: the depth belongs to N = m g throughout, as the disk is in vertical balance. */
 static void well_conserves(void)
 {
     const double mu = 0.3, a = 0.02, omega = sqrt(mu / a), escape = sqrt(mu * a);

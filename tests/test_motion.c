@@ -305,8 +305,7 @@ static void box_angle(void)
     CHECK_PAIRS(1e-11, {x, 2.0}, {y, 0.7});
 }
 
-/* The gain of momentum is the impulse of walls and gravity, while the box rotates fast enough to throw
- * grains. */
+/* The gain of momentum is the impulse of walls and gravity, while the box throws grains. */
 static void wall_ledger(void)
 {
     enum { N = 40, STEPS = 4000 };

@@ -368,8 +368,7 @@ static void check_export(size_t stored)
     if (stored < 6) check_note(&t, "shards with missing runs", "1,3 of 3");
 }
 
-/* A copy with one more shard of two runs is merged twice, and then into a sweep that shares two of its runs.
- */
+/* A copy with one more shard of two runs is merged twice, then into a sweep that shares two of its runs. */
 static void check_merge(void)
 {
     write_text("f.cfg",

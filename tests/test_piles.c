@@ -463,8 +463,7 @@ static void check_continuum(const pile_case *c, const sweep_outline *h, const do
                sqrt(gsl_stats_tss_m(h_off, 1, 22, 0) / 22) / gsl_stats_max(h_own, 1, 22), BALANCE);
 }
 
-/* Independent computation of all outputs: springs and wells, equal and unequal disks, triangles and a tent.
- */
+/* All outputs computed independently: springs and wells, equal and unequal disks, triangles and a tent. */
 static void outputs_a_second_way(void)
 {
     const double TOP = 0.38 * tan(30 * DEG) + 0.12 * tan(45 * DEG);

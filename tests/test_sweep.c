@@ -372,8 +372,7 @@ static double noise(const rp_table *t, const char *x, const char *k, const char 
     return NAN;
 }
 
-/* Plans that differ in one value, wherever it stands, have different digests: a store then numbers its runs
- * anew. */
+/* Plans that differ in one value, wherever it stands, have other digests: a store then numbers runs anew. */
 static void test_digest_of_plan(void)
 {
     static const char *const texts[] = {
@@ -755,8 +754,7 @@ static void test_makers(void)
     scoped char *text = protocol_export(dir, toys, SWEEP_RUNS);
     snprintf(plain, sizeof plain, "# runs made by: repose %s, commit %s, %s (2)\n", RP_VERSION,
              rp_build_commit, rp_build_compiler);
-    CU_ASSERT(strstr(text, "# runs made by: repose 0.1.9, commit 0123abc-dirty, gcc 9 (2)\n") &&
-              strstr(text, plain));
+    CHECK_PARTS(text, "# runs made by: repose 0.1.9, commit 0123abc-dirty, gcc 9 (2)\n", plain);
 }
 
 /* Runs that crashed are made again, and forgotten then; those of another plan stay. */
@@ -849,8 +847,7 @@ static void test_literal_names(void)
     CU_ASSERT(chdir(before) == 0);
 }
 
-/* A snapshot that a killed drive left goes once all runs are stored; no other file does, whatever its name.
- */
+/* A snapshot that a killed drive left goes once all runs are stored; no other does, whatever its name. */
 static void test_left_snapshots(void)
 {
     static const char key[] = "0123456789abcdef0123456789abcdef";
@@ -961,8 +958,8 @@ static void test_further_output(void)
     CHECK_OK(sweep_digest(dir, later, found, &rows));
     CU_ASSERT(rows == 6);
     scoped char *text = protocol_export(dir, later, SWEEP_RUNS);
-    CU_ASSERT(strstr(text, "# no value: further of 4 runs, stored before the program had this output\n") &&
-              strstr(text, "\tnan\t") && strstr(text, "\t2.385\t"));
+    CHECK_PARTS(text, "# no value: further of 4 runs, stored before the program had this output\n", "\tnan\t",
+                "\t2.385\t");
     CHECK_OK(sweep_merge(dir, later, 1, (char *const[]){other}, &m, &c));
     CU_ASSERT(m.duplicates == 4 && m.taken == 0);
     CHECK_OK(sweep_prepare(file, other, 0, later, NULL, &c));
@@ -1342,8 +1339,7 @@ static void test_merge(void)
     CHECK_FAILS(sweep_merge(dir, toys, 1, files, &m, &c), RP_BAD_INPUT, "no store");
 }
 
-/* A run that crashed in one store and not in the other: the result counts, whichever store takes the other.
- */
+/* A run that crashed in one store and not in the other: the result counts, whichever takes the other. */
 static void test_merge_of_crashed(void)
 {
     for (int way = 0; way < 2; way++) {
@@ -1454,8 +1450,7 @@ static void test_known_keys(void)
         sweep_plan_key(&plan, known[k].run, key);
         CU_ASSERT_STRING_EQUAL(key, known[k].key);
         const sweep_stream s = sweep_plan_stream(&plan, known[k].run);
-        CU_ASSERT_EQUAL(s.seed, known[k].stream.seed);
-        CU_ASSERT_EQUAL(s.run, known[k].stream.run);
+        CU_ASSERT(s.seed == known[k].stream.seed && s.run == known[k].stream.run);
         CU_ASSERT_EQUAL(s.pile, known[k].stream.pile);
     }
     CU_ASSERT_STRING_EQUAL(sweep_plan_describe(&plan, 4, text, sizeof text),
@@ -1618,8 +1613,7 @@ static void test_full_disk(void)
     CU_ASSERT(sql_number("SELECT count(*) FROM pragma_integrity_check WHERE integrity_check = 'ok'") == 1);
 }
 
-/* Every parameter of the list of dem/law/parameters.h is known to sweeps of texts and, by its key, to scenes.
- */
+/* Every parameter of the list of dem/law/parameters.h is known to sweeps of texts and, by its key, scenes. */
 static void test_physics(void)
 {
     static const struct {

@@ -89,8 +89,7 @@ static void one_thread(void)
     CU_ASSERT(grains_same_bits(one, timed) && times.lists > 0.0 && times.walls > 0.0);
 }
 
-/* A fault is found at the same step, with the same message: by the reference loop, in chunks, and in threads.
- */
+/* A fault is found at the same step, with the same message: by the reference loop, in chunks, in threads. */
 static void fault(bool wall)
 {
     dem_definition def = grains_too_soft(wall);

@@ -857,8 +857,7 @@ static void test_kinds(void)
     SHELL("LC_ALL=C grep -aob \"$(printf '\\041\\371\\004')\" a.gif | wc -l | grep -qx 5");
 }
 
-/* No text of a table is a command to gnuplot: backquotes, quotes, ends of lines in units, names and folders.
- */
+/* No text of a table is a command to gnuplot: backquotes, quotes, ends of lines in units, names, folders. */
 static void test_hostile(void)
 {
     static const char *const texts[] = {"`>hit`",     "'`>hit`'", "\"`>hit`\"x", "';system('>hit');'",
@@ -995,8 +994,7 @@ static void test_refusals(void)
 
 /* ---- what a run says ---- */
 
-/* A staircase of fixed grains is a pile: its steps of 0.1 per diameter of 0.2 have a slope of 26.6 degrees.
- */
+/* A staircase of fixed grains is a pile: steps of 0.1 per diameter of 0.2 have a slope of 26.6 degrees. */
 static void test_closing_line(void)
 {
     static const char walls[] = "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );";
@@ -1028,8 +1026,7 @@ static void test_closing_line(void)
         "dt = 1e-5; normal = { gamma_n = 2000.0; }; %s particles = ( { x = 0.3; y = 0.105; r = 0.1; } );\n",
         walls);
     static const char *const cases[][2] = {
-        /* a grain a little inside the wall at 0; the units are the scene's, and those of grains have no names
-         */
+        /* a grain a little inside the wall at 0; units are the scene's, those of grains have no names */
         {"stairs.cfg --set 'particles[0].x=0.0991' --set units=si",
          ", t = 0.0005 s; at rest; theta_R = 26.6 degrees, standard error 0.0, over x = 0 to 2.4 m (method "
          "3); "},

@@ -313,8 +313,7 @@ static void single_grains(void)
                 const double t = (double)steps * def.dt;
                 const double x = 1.0 + speeds[v] * t + 0.5 * gravities[g][0] * t * t,
                              y = 2.0 - speeds[v] * t + 0.5 * gravities[g][1] * t * t;
-                /* each step rounds a position and a velocity times dt: a few times 2^-53 of the largest value
-                 */
+                /* a step rounds a position and a velocity times dt: a few times 2^-53 of the largest value */
                 number("single grain", hypot(s.x - x, s.y - y), 0.0, 2.0 + fabs(x) + fabs(y),
                        4.0 * (double)steps * 0x1p-53);
             }

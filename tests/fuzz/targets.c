@@ -1,5 +1,4 @@
-/* Targets of the fuzzer; see targets.h. The environment variable FUZZ names the target of a libFuzzer build.
- */
+/* Targets of the fuzzer; see targets.h. The variable FUZZ names the target of a libFuzzer build. */
 #include "tests/fuzz/targets.h"
 
 #include <fcntl.h>

@@ -58,7 +58,7 @@ suites_of() {
     report/pages.c) echo help evidence claims cli ;;
     src/cli/commands/view.c | src/view/*) echo view help options ;;
     src/cli/commands/help.c) echo help install ;;
-    src/cli/commands/params.c) echo help options ;;
+    src/cli/commands/params.c) echo help options experiment ;;
     src/cli/closing.c | src/cli/progress.c) echo view snapshot ;;
     src/cli/unfinished.c | src/cli/folder.c) echo snapshot cli ;;
     src/cli/options.c | src/cli/command.c) echo help notes evidence options tables columns claims cli ;;
