@@ -40,7 +40,7 @@ suites_of() {
     report/verdict.c) echo claims ;;
     src/stats/lines.c | src/stats/trend.c) echo trend evidence calibrate_text tables angle ;;
     src/stats/identify.c | src/stats/least.c) echo identify calibrate_text ;;
-    src/experiment/*) echo expression experiment actions columns repose flux drop stress sweep ;;
+    src/experiment/*) echo expression experiment actions columns repose flux drop stress sweep snapshot ;;
     src/core/elementary.c) echo core expression golden ;;
     src/dem/change.c) echo actions experiment ;;
     src/params/expression.c | src/params/lets.c) echo expression experiment ;;
@@ -60,10 +60,10 @@ suites_of() {
     src/cli/commands/help.c) echo help install ;;
     src/cli/commands/params.c) echo help options experiment ;;
     src/cli/closing.c | src/cli/progress.c) echo view snapshot ;;
-    src/cli/unfinished.c | src/cli/folder.c) echo snapshot cli ;;
+    src/cli/unfinished.c | src/cli/folder.c) echo snapshot cli folders ;;
     src/cli/options.c | src/cli/command.c) echo help notes evidence options tables columns claims cli ;;
     src/cli/commands/calibrate.c) echo calibrate_text options ;;
-    src/cli/commands/run.c) echo view tables options snapshot cli ;;
+    src/cli/commands/run.c) echo view tables options snapshot cli folders ;;
     src/cli/commands/pile.c) echo notes equilibrium tables options cli ;;
     report/*) echo evidence claims options cli ;;
     src/cli/*) echo notes evidence options tables columns claims cli ;;
@@ -83,9 +83,9 @@ suites_of() {
     sweeps/engine/physics.c) echo golden keys sweep ;;
     sweeps/protocols/outline.c) echo golden piles equilibrium ;;
     sweeps/protocols/pile.c) echo piles golden ;;
-    sweeps/engine/*) echo sweep notes tables evidence cli ;;
+    sweeps/engine/*) echo sweep notes tables evidence cli power drill ;;
     src/dem/forces/walls.c | src/dem/forces/touch.c | src/dem/state/slots.c) echo units actions walls scene tables contacts incline rotation golden ledger ;;
-    *) echo units soft property material sizes rotation incline contacts published motion hard walls golden scene dem laws ;;
+    *) echo units soft property material sizes impact implicit rotation incline contacts published motion hard walls golden scene dem laws ;;
     esac
 }
 
