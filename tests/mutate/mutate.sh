@@ -35,7 +35,7 @@ suites_of() {
     case $1 in src/* | sweeps/*) echo scene experiment golden ;; esac # what all of it ends in
     case $1 in
     analytic/*) echo property analytic ;;
-    src/angle/*) echo property angle view tables ;;
+    src/angle/*) echo property angle view tables cli ;;
     src/stats/ensemble.c | src/stats/series.c) echo trend angle notes flux ;;
     report/verdict.c) echo claims ;;
     src/stats/lines.c | src/stats/trend.c) echo trend evidence calibrate_text tables angle ;;
@@ -62,6 +62,7 @@ suites_of() {
     src/cli/closing.c | src/cli/progress.c) echo view snapshot ;;
     src/cli/unfinished.c | src/cli/folder.c) echo snapshot cli folders ;;
     src/cli/options.c | src/cli/command.c) echo help notes evidence options tables columns claims cli ;;
+    src/cli/commands/shards.c | src/cli/commands/sweep.c) echo cli folders sweep notes tables ;;
     src/cli/commands/calibrate.c) echo calibrate_text options ;;
     src/cli/commands/run.c) echo view tables options snapshot cli folders ;;
     src/cli/commands/pile.c) echo notes equilibrium tables options cli ;;
