@@ -22,10 +22,11 @@
 
 #define TYPE     "(double|size_t|long|int|bool|char|num|lanes|[a-z]+_[a-z_]+)"
 #define DECLARES "^([a-z]| *(static |const )*" TYPE " [*]?(const )?[][A-Za-z0-9_, ]+\\[)"
-#define HELP     "^ *\".*[\\]n\"" /* a line of a command's help */
+/* a line of a command's help */
+#define HELP "^ *\".*[\\]n\"|^ *([.][a-z]+ = )?\".* (a|of|the|with|and|or|is|are|in|by|needs) "
 #define LEAVE                                                                                                \
-    "alloc\\(|_memory\\(|RP_NEW\\(|no_memory\\(|RP_NO_MEMORY|static_assert|if \\((![a-z_>-]+ \\|\\| "        \
-    ")+![a-z_>-]+\\)"
+    "alloc\\(|_memory\\(|RP_NEW\\(|no_memory\\(|(capacity|room) = |madvise\\(|RP_NO_MEMORY|static_assert|"   \
+    "if \\((![a-z_>-]+ \\|\\| )+![a-z_>-]+\\)"
 
 typedef struct {
     char *file, *original, *mutant;
