@@ -1034,6 +1034,8 @@ static void test_closing_line(void)
          ", t = 0.0005; at rest; theta_R = 26.6 degrees, standard error 0.0, over x = 0 to 2.4 (method 3); "},
         /* a pile ends at the wall that has opened; a level one has no slope */
         {"open.cfg -o open", "over x = 0 to 2 cm (method 3)"},
+        {"open.cfg --set 'walls[1].point=[0.4, 0.0]' --set 'walls[1].direction=[1.0, 0.0]'",
+         "over x = 0.4 to 2.4 cm (method 3)"},
         {"level.cfg", "run: 2 grains, 10 steps, t = 0.0005 s; at rest; states on standard output\n"},
         {"s.cfg -o moving", "run: 2 grains, 100 steps, t = 0.001 s; not at rest; tables in moving\n"},
         /* at the top of a throw, where it has no energy; in the air; without a grain that is left */
