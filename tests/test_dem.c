@@ -978,8 +978,7 @@ static void defaults(void)
     }
 }
 
-/* A number of a definition, the last value that its range lets in, the first that is let out, and what is
- * said then. */
+/* A number of a definition, the last value that its range lets in, the first let out, what is said. */
 typedef struct {
     double *at, in, out;
     const char *text;

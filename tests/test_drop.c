@@ -400,8 +400,7 @@ static void kernels_collide_alike(void)
     }
 }
 
-/* The decay of a single disk on the ground ends above subnormal numbers; the caller's arithmetic still has
- * subnormal numbers. */
+/* The decay of a disk on the ground ends above subnormal numbers, which the caller's arithmetic still has. */
 static void tiny_numbers_are_zero(void)
 {
     for (int kernel = DEM_REFERENCE; kernel < DEM_KERNELS; kernel++) {

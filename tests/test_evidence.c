@@ -887,8 +887,7 @@ static void check_runs(const char *file, const char *name, const sweep_recipe *r
     sweep_plan_free(&plan);
 }
 
-/* A table of results says by which runs it was made: those of its sweep's file, unless this was changed
- * since. */
+/* A table of results says by which runs it was made: those of its sweep's file, unless changed since. */
 static void test_made(void)
 {
     static const char *const patterns[] = {"sweeps/lh/*.cfg", "sweeps/li/*.cfg", "sweeps/studies/*.cfg",

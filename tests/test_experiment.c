@@ -651,8 +651,7 @@ static void test_walls(void)
     CHECK_NEAR(measured(&t, "f"), -0.01 * 1000.0, 0.05);
 }
 
-/* A grain on a plate that moves as A sin(w t) lifts off where A w^2 exceeds g, at the phase sin(w t) = g/(A
- * w^2). */
+/* On a plate that moves as A sin(w t) a grain lifts off where A w^2 > g, at sin(w t) = g/(A w^2). */
 static void test_vibrated(void)
 {
     for (int strong = 0; strong < 2; strong++) {

@@ -330,8 +330,7 @@ static void check_lattice(const solved_pile *pile)
     CU_ASSERT_EQUAL(pairs, 2 * (pile->n - ground));
 }
 
-/* The lattice pile in equilibrium: its scene holds the same disks without weight, and loading raises gravity
- * to 1. */
+/* The lattice pile in equilibrium: its scene holds the disks without weight, loading raises gravity to 1. */
 static void test_solved_pile(void)
 {
     const double eps = 1e-4;

@@ -552,8 +552,7 @@ static void touches_at_the_end(void)
     }
 }
 
-/* A disk that falls onto the end of a wall comes within a radius of the wall's line before it touches the
- * corner. */
+/* A disk that falls onto the end of a wall comes within a radius of the wall's line before the corner. */
 static void bounces_off_a_corner(void)
 {
     GRAINS_EACH_KERNEL (kernel, DEM_FAST) {

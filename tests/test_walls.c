@@ -460,8 +460,7 @@ static void cut_surfaces(void)
     gsl_rng_free(stream);
 }
 
-/* A grain that falls on a joint of a floor, or as near to it as round-off, rebounds straight and as beside
- * it. */
+/* A grain that falls on a joint of a floor, or as near to it as round-off, rebounds as beside it. */
 static void landing_on_a_joint(void)
 {
     static const double x[] = {0.0, 3e-6, -3e-6, 1e-17, -1e-17};

@@ -45,8 +45,7 @@ typedef struct {
     bool grown;
 } series;
 
-/* Add one distance to the fit, within the linear regime: from ten times the first distance to 1e-3 diameters.
- */
+/* Add a distance to the fit, in the linear regime: from ten times the first distance to 1e-3 diameters. */
 static void note(series *s, double t, double d, double first)
 {
     s->grown |= d > 1e-3;

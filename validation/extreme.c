@@ -115,8 +115,7 @@ typedef struct {
     rp_status status;
 } outcome;
 
-/* Two grains, the first at rest, the second approaching at speed v along x; until they separate, or `most`
- * steps. */
+/* Two grains, the second approaching the first at speed v along x; until they separate, or `most` steps. */
 static outcome collide(dem_definition *def, dem_grain grains[2], double v, double steps, long most)
 {
     grains[1].x = grains[0].x + grains[0].r + grains[1].r;

@@ -489,8 +489,7 @@ static void chung_ooi_3_restitution(void)
 
 static const double ROUND = 1e-9; /* of sums over the steps of an impact */
 
-/* An impact that slides throughout: the tangential impulse is mu (1 + e) m_eff v_n, here over the sphere's
- * mass. */
+/* An impact that slides throughout: the tangential impulse is mu (1 + e) m_eff v_n, over its mass. */
 static double slide(strike *p)
 {
     run_material(p);

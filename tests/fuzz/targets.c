@@ -135,8 +135,7 @@ static void change_bytes(size_t size, char bytes[], size_t n, const char text[])
     }
 }
 
-/* A value of any parameter: what is accepted is written, and reads back as the same. The first bytes choose.
- */
+/* A value of any parameter: accepted, it is written and reads back the same. The first bytes choose. */
 static void read_param(size_t n, const char text[])
 {
     _Alignas(max_align_t) char values[4096];
