@@ -49,6 +49,7 @@ static rp_status run(void *host, size_t stage, size_t *n, const double **x, cons
             const double *at = &(*x)[i * s->n_names];
             if (s->fails > 0.0 && at[0] + (s->n_names > 1 ? at[1] : 0.0) > s->fails) continue;
             if (s->fails < 0.0 && at[s->n_names - 1] > -s->fails) continue;
+            if (s->fails > 9.0 && fmod(s->fails * at[0], 1.0) < 0.6) continue; /* anywhere */
             for (size_t j = 0; j < replicas[0]; j++) {
                 const double y = number_of(s, k, at) + gsl_ran_gaussian(s->noise, s->scatter[k]),
                              d = y - r->mean;
@@ -287,6 +288,15 @@ static void test_failing(void)
         CHECK_OK(stats_identify(&q, &a));
         CU_ASSERT(a.status[0] == (k ? STATS_IDENTIFIED_NO_RUNS : STATS_IDENTIFIED_OK));
     }
+    int lacking = 0, tried = 0;
+    for (int k = 0; k < 40; k++) { /* most of those in the interval lack it, or the nearest does */
+        scoped_stand_in one = {.n_names = 1, .n_numbers = 1, .scatter = {0.3}, .fails = 1e3 * M_PI + 7.7 * k};
+        one.noise = rp_random_alloc(14, (unsigned long)k, RP_PURPOSE_TEST);
+        const stats_quest q = quest_of(&one, (double[]){0.4}, 0.3);
+        if (stats_identify(&q, &a)) continue; /* too few points */
+        tried++, lacking += a.status[0] == STATS_IDENTIFIED_NO_RUNS;
+    }
+    CU_ASSERT(tried > 30 && 10 * lacking > 7 * tried);
     s.fails = -0.6;
     const stats_quest q = quest_of(&s, (double[]){0.7, 0.3}, 0.1);
     CHECK_OK(stats_identify(&q, &a));
