@@ -29,8 +29,7 @@
 
 /* ---- help ---- */
 
-/* Whether an option says that it is required, or its default; those of texts that may be left out say
- * neither. */
+/* Does an option say that it is required, or its default? Those of texts that may be left out say neither. */
 static bool is_whole(const rp_param *p)
 {
     static const char *const without[] = {"where", "set",    "o",     "outline", "disks",
@@ -1286,8 +1285,7 @@ static void test_broken_run(void)
     CU_ASSERT(equal_tables("out", "d/unfinished/states.tsv"));
     SHELL("tail -n 1 out | grep -q '^# unfinished: leaked at step'");
     SHELL("tail -n 1 d/unfinished/energy.tsv | grep -q '^# unfinished: leaked at step'");
-    /* an overlap beyond the radius, or a step beyond it, is no result of the scene, and no fault of the
-     * program */
+    /* an overlap or a step beyond the radius is no result of the scene, and no fault of the program */
     write_text("crush.cfg", "gravity = [0.0, 0.0]; normal = { k_n = 1.0; gamma_n = 0.0; };\n"
                             "particles = ( { x = 0.0; y = 0.0; r = 0.1; m = 0.004; },\n"
                             "              { x = 0.3; y = 0.0; r = 0.1; m = 0.004; vx = -200.0; } );\n");
@@ -1597,8 +1595,7 @@ static void test_stopped(void)
     FAILS(1, "missing", "sweep digest d");
 }
 
-/* A folder is of one scene: a change of any particle is another. Gravity of 9.8 in any direction is warned
- * of. */
+/* A folder is of one scene: a change of any particle is another. Gravity of 9.8 in any direction is said. */
 static void test_run_scene(void)
 {
     for (int k = -1; k < 3; k++) {

@@ -838,8 +838,7 @@ static void test_rough(void)
     rp_table_free(&o.t);
 }
 
-/* A lattice on glued disks: the places of protocol `pile`, whose base is the glued row, and radii of that
- * scatter. */
+/* A lattice on glued disks: places of protocol `pile`, whose base is the glued row, radii of its scatter. */
 static void test_lattice(void)
 {
     write_text("s.cfg",

@@ -711,8 +711,7 @@ static bool same_number(double a, double b)
     return isnan(a) ? isnan(b) : fabs(a - b) <= 1e-15 * fabs(b) || a == b;
 }
 
-/* Rounded correctly: half a unit in the last place, and the error of the reference, long double, of 64 bits
- * at least. */
+/* Rounded correctly: half a unit in the last place, and the error of the reference, long double. */
 static void elementary(void)
 {
     static const struct {

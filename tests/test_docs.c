@@ -133,8 +133,7 @@ static void append(char *text, const char *line)
     strcat(text, line);
 }
 
-/* Folder `page` of the test's folder: links to what stands in the repository's root, and the program in
- * build. */
+/* Folder `page` of the test's folder: links to the repository's root, and the program in build. */
 static void make_folder(void)
 {
     char root[512];

@@ -301,8 +301,7 @@ static void rest_takes_its_steps(void)
     }
 }
 
-/* Each disk counts, the first one too: 300 steps bring one to a speed below 1, and none into balance within
- * 1e-9 m g. */
+/* Each disk counts, the first too: 300 steps bring one to a speed below 1, none into balance to 1e-9 m g. */
 static void every_disk_must_rest(void)
 {
     sweep_result loose = run("N=2 rest_speed=1 max_steps=300 rest_force=10"),
@@ -310,8 +309,7 @@ static void every_disk_must_rest(void)
     CHECK_ALL_NEAR(0.0, {output(&loose, "capped_share"), 0.0}, {output(&strict, "capped_share"), 1.0});
 }
 
-/* With little rolling resistance disks roll away: they are counted, carry no load and do not belong to the
- * pile. */
+/* With little rolling resistance disks roll away: they are counted, carry no load and are not of the pile. */
 static void away_is_no_part(void)
 {
     sweep_result r = run("N=30 mu_roll=0.02 x_limit=10");

@@ -388,8 +388,7 @@ static void test_linearised(void)
     for (size_t i = 0; i < gaps.k; i++) CHECK_NEAR(gaps.H[i], gaps.exact[i].H, 22.5 * ROUNDING);
 }
 
-/* A soft well lets the rows separate: with growing half-width H approaches that of diagonal contacts alone, N
- * nearly. */
+/* A soft well lets the rows separate: as it widens H approaches that of diagonal contacts alone, N nearly. */
 static void test_soft_wells(void)
 {
     static const double a[] = {1, 10, 100, 1000}, found[] = {0.81, 0.83, 0.92, 1.00};

@@ -645,8 +645,7 @@ static const char *find_sweep(const char *table)
     return NULL;
 }
 
-/* The protocol of a sweep's file, with all that its `fixed` and `grid` may name; its settings to be
- * destroyed. */
+/* The protocol of a sweep's file, with all that its `fixed` and `grid` may name; destroy its settings. */
 static const sweep_protocol *open_sweep(const char *path, config_t *config)
 {
     config_init(config);

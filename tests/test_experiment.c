@@ -561,8 +561,7 @@ static void test_shared_ends(void)
     }
     SHELL("[ \"$($REPOSE sweep digest shared0)\" = \"$($REPOSE sweep digest shared1)\" ] && [ ! -e "
           "shared0/snapshots ]");
-    /* the ends of a shard's rows are taken by the next, those that are damaged are not; the merged folder has
-     * none */
+    /* the ends of a shard's rows are taken by the next, damaged ones are not; the merged folder has none */
     write_text("s.cfg", sweep, "kept", "shared");
     for (int damaged = 0; damaged < 2; damaged++) {
         GOOD("sweep plan s.cfg -o left%d", damaged);
@@ -684,8 +683,7 @@ static void test_vibrated(void)
     }
 }
 
-/* A heap of columns: two slopes, one apex, a grain that flies above `to` over the left flank, one that has
- * run out. */
+/* A heap of columns: two slopes, one apex, a grain that flies above `to` over the left flank, one run out. */
 static void test_modules(void)
 {
     char text[16384];

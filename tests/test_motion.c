@@ -416,8 +416,7 @@ static void fixed_is_a_wall(void)
     }
 }
 
-/* Rolling resistance acts relative to the box: without other friction a grain assumes the rotation of the
- * box. */
+/* Rolling resistance acts relative to the box: without other friction a grain turns with the box. */
 static void rolls_with_box(void)
 {
     const double rate = 2e-5, depth = pow(M * 981.0 / 1e6, 2.0 / 3.0);

@@ -120,8 +120,7 @@ static void dip_invariances(void)
 
 /* ---- dips ---- */
 
-/* N = 2 + the distance from the middle in bins: means 3 within 0.1 B, 5 from there to 0.2 B, 6 to 0.3 B, 7 of
- * all. */
+/* N = 2 + the distance from the middle in bins: means 3 within 0.1 B, 5 to 0.2 B, 6 to 0.3 B, 7 of all. */
 static void dips_of_a_wedge(void)
 {
     double N[STRESS_DIP_BINS], rays[STRESS_DIP_BINS];

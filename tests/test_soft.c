@@ -419,8 +419,7 @@ static void passes_through_a_row(void)
     }
 }
 
-/* Impulses against the order of the pairs need one round per pair, of at most eight; the remaining pairs
- * collide softly. */
+/* Impulses against the order of pairs need a round per pair, of at most eight; other pairs collide softly. */
 static void rounds_end(void)
 {
     enum { N = 12 };

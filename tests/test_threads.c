@@ -77,8 +77,7 @@ static void turning(void)
     }
 }
 
-/* Clocks around the phases take one; so do hard collisions, the ledger and Gear's integrator, see the suite
- * `removal`. */
+/* Clocks around the phases take one; so do hard collisions, the ledger and Gear's integrator (`removal`). */
 static void one_thread(void)
 {
     dem_definition def = grains_box(400, 4.0, 9, NULL);
@@ -134,8 +133,7 @@ static void snapshots(void)
     dem_free(one), dem_free(sim);
 }
 
-/* The program: tables of a run with one thread, with two, and of a run that is stopped and resumed with
- * three. */
+/* The program: tables of a run with one thread, with two, and of one stopped and resumed with three. */
 static void program(void)
 {
     if (check_fast()) return; /* the suite runs threads in its own process */

@@ -138,8 +138,7 @@ static bool same_work(units u, const dem_sim *one, const dem_sim *other)
            a.iterations == b.iterations;
 }
 
-/* The scene in two other units, with smaller and larger numbers, and by other kernels; a grain is put in on
- * the way. */
+/* The scene in two other units, of smaller and larger numbers, by other kernels; a grain comes on the way. */
 static void check(const dem_definition *def, size_t chunk, long steps, const dem_grain *extra)
 {
     static const units others[] = {

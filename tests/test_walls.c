@@ -503,8 +503,7 @@ static void flush_gate(void)
     }
 }
 
-/* Mirror images of scenes, in x, give mirror images of the run: walls of all kinds, gates, motions, spins and
- * turns. */
+/* Mirror images of scenes, in x, give those of the run: walls of all kinds, gates, motions, spins, turns. */
 static void print_scene(char *text, size_t size, unsigned long run, double sign)
 {
     FILE *f = fmemopen(text, size, "w");

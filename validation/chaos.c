@@ -91,8 +91,7 @@ static growth avalanche(long N, double W, double dt, double shift, long stream, 
     return g;
 }
 
-/* A clone without a shift stays identical; small shifts grow in proportion, until they reach the size of a
- * grain. */
+/* A clone without a shift stays identical; small shifts grow in proportion, up to the size of a grain. */
 static void round_off_grows(void)
 {
     const growth none = avalanche(60, 1.6, 5e-5, 0.0, 0, NULL),

@@ -661,8 +661,7 @@ static void hard_collisions(void)
 
 /* ---- Theory */
 
-/* Slopes from 0 to the full triangle: the base carries the counted weight of all disks, and both methods of
- * solution agree. */
+/* Slopes from 0 to the full triangle: the base carries the weight of all disks, and both methods agree. */
 static void lattices(void)
 {
     const double deg = M_PI / 180.0;
@@ -816,8 +815,7 @@ static void soft_piles(void)
             }
 }
 
-/* Boxes from flat to tall, with one layer, one column and one grain: a result for all grains, or the reason
- * for its absence. */
+/* Boxes from flat to tall, of one layer, column or grain: a result for all grains, or why there is none. */
 static void box_shapes(void)
 {
     const struct {

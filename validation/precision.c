@@ -40,8 +40,7 @@ static void add(outcomes *o, const char *problem, const char *method, double set
     CU_ASSERT(isfinite(error));
 }
 
-/* The Pareto front of a problem: outcomes that no other outcome beats in error or time without being worse in
- * the other. */
+/* The Pareto front: outcomes that no other beats in error or time without being worse in the other. */
 static void mark_front(outcomes *o)
 {
     for (size_t i = o->front_from; i < o->n; i++) {
