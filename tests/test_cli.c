@@ -1007,7 +1007,7 @@ static void test_claims(void)
     write_text("trend.tsv", "# k\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
                             "1\t3\t1\t1.4\t4.6\t0.003\t0.04\n2\t0.1\t0.2\t-0.2\t0.4\t0.6\t0.9\n");
     REPORTS("claims --claims claims.tsv --tables . --paper li");
-    CU_ASSERT(strstr(out, "# li: 0 reproduced, ") && !strstr(out, "# lh: "));
+    CU_ASSERT(strstr(out, "# li: 1 reproduced, 3 not reproduced, 1 open\n") && !strstr(out, "# lh: "));
     CHECK_CELLS({"angle", "verdict", "no such row"}, {"level", "verdict", "not reproduced"},
                 {"up", "verdict", "not reproduced"}, {"high", "verdict", "open"});
     /* two values: two standard errors are 12.7, of a mean; of a fit they are 2 */
