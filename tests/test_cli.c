@@ -594,6 +594,12 @@ static void test_outline(void)
     write_text("outline.csv", "x y\n0.5 9\n2.5 8\n4.5 7\n6.5 6\n8.5 5\n");
     CU_ASSERT_EQUAL(run("angle slope outline.csv --width 9 --cell 1"), 0);
     FAILS(1, "sparse: 5 of 10 cells", "angle slope outline.csv --width 10 --cell 1");
+    /* three quarters are as of a box, and half a cell below its ground */
+    write_text("outline.csv", "x y\n0.5 4\n1.5 3\n2.5 2\n3.5 1\n4.5 -0.45\n");
+    CU_ASSERT(run("angle slope outline.csv --width 7 --cell 1") == 0 && strstr(err, "a box leaves out"));
+    CU_ASSERT(run("angle slope outline.csv --width 6 --cell 1") == 0 && !*err);
+    SHELL("sed -i s/-0.45/-0.55/ outline.csv");
+    FAILS(1, "the lowest y -0.55, where", "angle slope outline.csv --width 6 --cell 1");
     /* grains: their mean diameter, by name or in the third column */
     write_text("outline.csv", "0.5 9 0.3\n1.5 8 0.5\n2.5 7 0.7\n3.5 6 0.5\n4.5 5 0.5\n");
     PRINTS("\n# cell: 1 mean diameter of the grains\n", "angle slope outline.csv --width 5");

@@ -1011,7 +1011,8 @@ static void test_closing_line(void)
     CU_ASSERT_STRING_EQUAL(err, "");
     write_text("open.cfg",
                "steps = 10; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; }, { point = [2.0, 0.0]; "
-               "direction = [-1.0, 0.0]; open_at_step = 5; } ); particles = ( %s );\n",
+               "direction = [-1.0, 0.0]; open_at_step = 5; }, { point = [0.6, 0.0]; direction = [1.0, 0.0]; "
+               "} ); particles = ( %s );\n",
                grains);
     write_text("level.cfg",
                "steps = 10; %s particles = ( { x = 0.3; y = 0.1; r = 0.1; fixed = true; }, { x = "
