@@ -1420,8 +1420,7 @@ static void limit_of_gear(void)
     }
 }
 
-/* A wall along gravity has no height, for any position of its point; the same scene at another position and
- * direction. */
+/* A wall along gravity has no height, wherever its point is; the same scene elsewhere and turned. */
 static void limit_in_any_direction(void)
 {
     const double round_off = 1e-13; /* of heights, ten times the position */

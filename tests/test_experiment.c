@@ -167,7 +167,8 @@ static void test_forces(void)
 {
     static const char text[] =
         "dt = 4.0e-5; normal = { gamma_n = 2000.0; }; rest = { energy = 1e-20; force = 1e-9; };\n"
-        "walls = ( { name = `base`; point = (0.0, %s); direction = (%s, 1.0); } );\n"
+        "walls = ( { name = `side`; point = (-9.0, 0.0); direction = (1.0, 0.0); },\n"
+        "  { name = `base`; point = (0.0, %s); direction = (%s, 1.0); } );\n"
         "particles = ( { x = 1.0; y = %s; r = 0.1; }, { x = 3.0; y = %s; r = 0.1; } );\n"
         "regions = { here = { x = (0.5, 1.5); y = (%s, 9.0); }; };\n"
         "phases = ( { name = `lie`; until = `rest`; most = 200000; go_on = true; } );\n"

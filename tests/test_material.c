@@ -278,8 +278,7 @@ static void arms_below_the_limit(void)
     }
 }
 
-/* A surface acts the same as a whole line and as a segment, at rest and, seen from a frame that moves along,
- * moving. */
+/* A surface acts the same as a whole line and as a segment, at rest, and moving in a frame along with it. */
 static void walls_alike(void)
 {
     static const char *const walls[] = {"", " extent = [-9.0, 9.0];", " velocity = [0.0, 7.0];"};

@@ -1532,8 +1532,7 @@ static void test_stored_columns(void)
     sweep_plan_free(&plan);
 }
 
-/* A store is being written if its last sign of life is less than a minute old, by a clock that may be wrong
- * either way. */
+/* A store is being written if its last sign of life is less than a minute old, by any clock. */
 static void test_running(void)
 {
     static const struct {

@@ -552,8 +552,7 @@ static void none_failed(checked *c)
     }
 }
 
-/* Runs without a result, behind each row of a derived table: those of its group and of its range, of runs and
- * of grid points. */
+/* Runs without a result, behind each row of a derived table: of its group and range, by runs, by points. */
 static void test_failed(void)
 {
     static const struct {
