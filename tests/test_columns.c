@@ -85,8 +85,7 @@ static void scan_planes(const double s[4], double *pressure, double *mobilised)
 enum { TILTS = 5, QUANTITIES = 6 };
 static const double tilts_deg[TILTS] = {0.0, 0.5, 1.0, 2.0, 4.0};
 
-/* n, h and the stress of a tilt over the weight normal to the floor; what grains of the pile are from
- * balance. */
+/* n, h and the stress of a tilt over the weight normal to the floor; what grains lack of balance. */
 typedef struct {
     double t, q[QUANTITIES], weight_error, balance_error;
 } response;

@@ -404,8 +404,7 @@ static void test_text_files(void)
     "  { point = [0.15, 0.0]; direction = [0.96, 0.28]; gamma_n = 300.0; } );\n"
 
 /* The laws that coincide. After 1000 steps of grains that collide, the programs differ by round-off that
- * every impact multiplies: by RO radii at most. A coefficient that is off by 1e-6 moves a grain by 1e-6 and
- * more. */
+ * every impact multiplies: by RO radii at most. A coefficient off by 1e-6 moves a grain by that and more. */
 static const struct {
     const char *name, *laws;
 } same[] = {

@@ -38,8 +38,7 @@ static void check_note(const rp_table *t, const char *key, const char *format, .
 
 /* ---- rows used and left out ---- */
 
-/* Of 14 rows five serve, one has no result, two have nan, and of the rest three lie below x = 1 and three
- * above 5. */
+/* Of 14 rows five serve, one has no result, two have nan; three lie below x = 1, three above 5. */
 static void write_rows(void)
 {
     write_text(

@@ -62,8 +62,7 @@ static void outflows(void)
     }
 }
 
-/* Scenes whose grains wait for all forces: walls that move, gravity that turns, a box that turns; and the
- * reference kernel. */
+/* Scenes whose grains wait for all forces: walls that move, gravity or a box that turns; reference kernel. */
 static void turning(void)
 {
     const long part = check_fast() ? 100 : 250;
