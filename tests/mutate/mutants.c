@@ -25,7 +25,8 @@
 /* a line of a command's help */
 #define HELP "^ *\".*[\\]n\"|^ *([.][a-z]+ = )?\".* (a|of|the|with|and|or|is|are|in|by|needs) "
 #define LEAVE                                                                                                \
-    "alloc\\(|_memory\\(|RP_NEW\\(|no_memory\\(|(capacity|room) = |madvise\\(|RP_NO_MEMORY|static_assert|"   \
+    "alloc\\(|_memory\\(|RP_NEW\\(|no_memory\\(|(capacity|room) = |[+][+]\\) "                               \
+    "[a-z_]*free[a-z_]*\\(|madvise\\(|RP_NO_MEMORY|static_assert|"                                           \
     "if \\((![a-z_>-]+ \\|\\| )+![a-z_>-]+\\)"
 
 typedef struct {
@@ -130,7 +131,8 @@ static void change_operator(size_t from, size_t len)
 
 static void end_early(size_t from, size_t len)
 {
-    offer("index", from + len - 3, 3, " + 1 < ");
+    if (strncmp(at_line.code + from, "used", 4) != 0) /* of a text's memory */
+        offer("index", from + len - 3, 3, " + 1 < ");
 }
 
 static void start_late(size_t from, size_t len)
