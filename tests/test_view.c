@@ -624,6 +624,7 @@ static void test_chosen(void)
         FAILS(64, "X0 < X1 and Y0 < Y1", "view . -o a.svg --window '%s'", windows[k]);
     FAILS(64, "ends in .png", "view . -o .svg"); /* an ending alone is no name */
     FAILS(64, "no screen for a window", "view .");
+    CU_ASSERT_EQUAL(shell("DISPLAY= WAYLAND_DISPLAY= \"$REPOSE\" view . >out 2>err"), 64);
     /* a window, where there is a screen: all frames, with a tenth of a second between two */
     CU_ASSERT_EQUAL(shell("DISPLAY=none PATH=.:$PATH \"$REPOSE\" view . >out 2>err"), 0);
     slurp("told", told, sizeof told);
