@@ -6,8 +6,7 @@
 
 enum { FOLDER_PATH = 64 };
 
-/* A new folder /tmp/repose_NAME_XXXXXX; for thousands of writes in memory, where there is such a file system.
- */
+/* A new folder /tmp/repose_NAME_XXXXXX; in memory where there is such a file system. */
 void folder_make(const char *name, char path[FOLDER_PATH]);
 void folder_make_in_memory(const char *name, char path[FOLDER_PATH]);
 

@@ -16,8 +16,7 @@ void *protocol_params(const sweep_protocol *protocol, const char *const changes[
  * energies every so many steps. */
 void protocol_trace(const sweep_protocol *protocol, const void *params, long every, sweep_result *result);
 
-/* The box of protocol repose by hand, of stream (1993, run): filled for so many steps, then open for so many.
- */
+/* The box of protocol repose by hand, of stream (1993, run): filled for so many steps, then open. */
 void protocol_box(double W, double H, long run, const double steps[2], dem_sim **sim);
 
 /* An output by its name; a failed assertion and NaN if there is none. */

@@ -189,8 +189,7 @@ static void cut_forces(void)
     }
 }
 
-/* Random supported outlines, with several peaks; the mirrored pile has N mirrored and H mirrored with
- * opposite sign. */
+/* Random supported outlines of several peaks; mirrored, N is mirrored and H too, with opposite sign. */
 static void any_outline(void)
 {
     enum { K = 211 };

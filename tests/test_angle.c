@@ -701,8 +701,7 @@ static void check_blocking(size_t n, const double v[])
     CU_ASSERT(status == RP_NO_RESULT && isnan(b.se));
 }
 
-/* The cut of at most half of the series after which its scatter over its length is least; none if that is
- * half. */
+/* The cut of at most half of the series after which scatter over length is least; none if that is half. */
 static void check_level_off(size_t n, const double v[])
 {
     size_t from, best = 0;

@@ -1,5 +1,4 @@
-/* Verdicts: every word, at its edge and just beyond it; report/claims.tsv against the tests and figures it
- * names. */
+/* Verdicts: every word, at its edge and just beyond it; claims.tsv against the tests and figures it names. */
 #include <ctype.h>
 #include <glob.h>
 #include <gsl/gsl_cdf.h>
@@ -459,8 +458,7 @@ static void test_page(void)
     for (const char *c = text; *c; c++) words += !strchr(" \n|", *c) && (c == text || strchr(" \n", c[-1]));
     for (char *save, *line = strtok_r(text, "\n", &save); line; line = strtok_r(NULL, "\n", &save), lines++)
         check_page_line(line);
-    CU_ASSERT(lines > 150);
-    CU_ASSERT(words > 1000 && words <= MOST_WORDS);
+    CU_ASSERT(lines > 150 && words > 1000 && words <= MOST_WORDS);
 }
 
 /* A cell of a pool: the grid point of its row, in the larger ensemble of its sweep. */
@@ -496,8 +494,7 @@ static void open_cell(char *cell_text, sweep_plan *plan, size_t *point)
     CU_ASSERT_EQUAL(n, 1);
 }
 
-/* A parameter of a grid point as text. The default damping is the paper's gamma_n = 500, gamma_s = 5. Returns
- * `text`. */
+/* A parameter of a grid point as text. Default damping is the paper's gamma_n = 500, gamma_s = 5. */
 static const char *setting_of(const sweep_plan *plan, size_t point, const rp_param *param, char text[256])
 {
     rp_params_text(param, sweep_plan_point(plan, point), text, 256);

@@ -160,8 +160,7 @@ static void leaving_of(bool rotation)
         dem_count_work(rebuilt, &each);
         CU_ASSERT(end.contacts == each.contacts);
     }
-    CU_ASSERT(dem_count(sim) + 5 <= before && dem_count(sim) > 50);
-    CU_ASSERT(end.rebuilds - start.rebuilds < 40);
+    CU_ASSERT(dem_count(sim) + 5 <= before && dem_count(sim) > 50 && end.rebuilds - start.rebuilds < 40);
 }
 
 /* Grains moved to the indices of removed ones keep their wall contacts and margins. */
@@ -184,8 +183,7 @@ static void leaving_below_others(void)
     CU_ASSERT_EQUAL_FATAL(dem_count(sim), 3);
     dem_states(sim, s);
     CU_ASSERT(s[0].contacts > 0 && s[0].y < 1.0 + r && s[0].y > 1.0);
-    CU_ASSERT(s[1].y - s[0].y > 1.9 * r && s[1].y < 1.0 + 3.3 * r);
-    CU_ASSERT(fabs(s[2].y - grains[4].y) < 1e-3);
+    CU_ASSERT(s[1].y - s[0].y > 1.9 * r && s[1].y < 1.0 + 3.3 * r && fabs(s[2].y - grains[4].y) < 1e-3);
 }
 
 static void grains_leave_the_list(void)
@@ -286,8 +284,7 @@ static void avalanche_in_chunks(bool rotation)
             dem_free(sim);
             sim = copy;
             CHECK_OK(dem_run(sim, part));
-            CU_ASSERT(grains_same_bits(sim, reference[k]));
-            CU_ASSERT(same_wall_forces(sim, reference[k]));
+            CU_ASSERT(grains_same_bits(sim, reference[k]) && same_wall_forces(sim, reference[k]));
             CU_ASSERT(grains_energy(sim) == grains_energy(reference[k])); /* springs too */
             if (k == 2)
                 CU_ASSERT(sim->pairs.n_chunks > 6 && sim->pairs.done[sim->pairs.n_chunks / 2] > N / 4);
@@ -303,8 +300,7 @@ static void integration_behind_the_pair_loop(void)
     avalanche_in_chunks(true);
 }
 
-/* Number of steps with a grain beyond its Verlet margin, or with a bound of its group above the remaining
- * margin. */
+/* Number of steps with a grain beyond its Verlet margin, or with a bound of its group above what remains. */
 static long beyond_margins(dem_sim *sim, int steps)
 {
     long beyond = 0;
@@ -465,8 +461,7 @@ static void floor_that_ends(void)
     CU_ASSERT(s.vy < 0.0 && s.y < 0.0);
 }
 
-/* The same without a rebuild of the neighbour list: past the corner the grain is below the floor, not through
- * it. */
+/* The same without a rebuild of the neighbour list: past the corner the grain is below the floor. */
 static void corner_without_rebuild(void)
 {
     dem_grain grain = {0.96, 0.0995, 0.1, 0.0042, 60.0, 0.0};
@@ -483,8 +478,7 @@ static void corner_without_rebuild(void)
     grains_again(&sim, &def, 0);
     grains_run(sim, 90, &s);
     dem_count_work(sim, &counts);
-    CU_ASSERT_EQUAL(counts.rebuilds, 1);
-    CU_ASSERT(s.x < 1.0 && s.y < -0.1);
+    CU_ASSERT(counts.rebuilds == 1 && s.x < 1.0 && s.y < -0.1);
 }
 
 /* A shear spring ends with its contact: a grain that bounces between a heavy grain and a ceiling, sliding
@@ -668,8 +662,7 @@ static void lifted_wall(void)
     grains[0].x = 0.6;
     grains_again(&sim, &def, 0);
     grains_run(sim, 700, s);
-    CU_ASSERT(s[0].x > 1.2);
-    CU_ASSERT(s[1].x < 1.0 && s[1].vx < 0.0);
+    CU_ASSERT(s[0].x > 1.2 && s[1].x < 1.0 && s[1].vx < 0.0);
     def.walls[0].extent[1] = -0.1; /* lifted past its upper end: no corner remains for a grain above */
     grains[0] = (dem_grain){1.0, 0.5, 0.1, 0.0042, 0.0, 0.0};
     grains_again(&sim, &def, 0);
@@ -727,8 +720,7 @@ static void added_far_away_of(bool rotation)
     memset(a, 0, sizeof a), memset(b, 0, sizeof b);
     grains_run(sim, 6000, a);
     grains_run(more, 6000, b);
-    CU_ASSERT(memcmp(a, b, sizeof a) == 0);
-    CU_ASSERT(b[80].id == 81 && b[80].x == -60.0 && b[80].contacts == 1);
+    CU_ASSERT(memcmp(a, b, sizeof a) == 0 && b[80].id == 81 && b[80].x == -60.0 && b[80].contacts == 1);
 }
 
 EITHER(added_far_away)
@@ -999,8 +991,7 @@ static void defaults(void)
     }
 }
 
-/* A number of a definition, the last value that its range lets in, the first that is let out, and what is
- * said then. */
+/* A number of a definition, the last value that its range lets in, the first let out, what is said. */
 typedef struct {
     double *at, in, out;
     const char *text;
@@ -1442,8 +1433,7 @@ static void limit_of_gear(void)
     }
 }
 
-/* A wall along gravity has no height, for any position of its point; the same scene at another position and
- * direction. */
+/* A wall along gravity has no height, wherever its point is; the same scene elsewhere and turned. */
 static void limit_in_any_direction(void)
 {
     const double round_off = 1e-13; /* of heights, ten times the position */
@@ -1689,8 +1679,7 @@ static void arrays_follow_grains(void)
             CHECK_OK(dem_clone(sim, &copy));
             const uint32_t gone = copy->grains.id[2];
             dem_grains_move(&copy->grains, --copy->grains.n, 2);
-            CU_ASSERT(copy->grains.id[2] != gone);
-            CU_ASSERT(same_bytes(&copy->grains, bytes));
+            CU_ASSERT(copy->grains.id[2] != gone && same_bytes(&copy->grains, bytes));
         }
     }
 }

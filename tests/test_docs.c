@@ -133,8 +133,7 @@ static void append(char *text, const char *line)
     strcat(text, line);
 }
 
-/* Folder `page` of the test's folder: links to what stands in the repository's root, and the program in
- * build. */
+/* Folder `page` of the test's folder: links to the repository's root, and the program in build. */
 static void make_folder(void)
 {
     char root[512];
@@ -239,13 +238,10 @@ static bool same(const char *shown, const char *output)
 
 static void comparison(void)
 {
-    CU_ASSERT(same("a b\n", "# model 1\na\tb\n"));
-    CU_ASSERT(same("a 1.2...\nb\n", "a\t1.25\nb\n"));
-    CU_ASSERT(same("a ...ok\n", "a\t1.25\tok\n"));
-    CU_ASSERT(same("a\n...\nd\n", "a\nb\nc\nd\n"));
+    CU_ASSERT(same("a b\n", "# model 1\na\tb\n") && same("a 1.2...\nb\n", "a\t1.25\nb\n"));
+    CU_ASSERT(same("a ...ok\n", "a\t1.25\tok\n") && same("a\n...\nd\n", "a\nb\nc\nd\n"));
     CU_ASSERT(same("a\n...\n", "a\nb\n"));
-    CU_ASSERT(same("a\n", "repose sweep: 3 of 12 runs, 0 failed, 1:02 left\na\n"));
-    CU_ASSERT(same("", ""));
+    CU_ASSERT(same("a\n", "repose sweep: 3 of 12 runs, 0 failed, 1:02 left\na\n") && same("", ""));
     CU_ASSERT_FALSE(same("a 1.2...\n", "a 1.3\n"));
     CU_ASSERT_FALSE(same("a ... ok\n", "a 1 no\n"));
     CU_ASSERT_FALSE(same("a\n", "a\nb\n"));

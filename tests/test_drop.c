@@ -201,10 +201,8 @@ static void planted_dips(void)
             missed += k == 3 && !(d.excess.lo <= -0.1 * TOP && -0.1 * TOP <= d.excess.hi);
         }
     }
-    CU_ASSERT(found[0] >= 1 && found[0] <= 20);
-    CU_ASSERT(found[1] > 10 && found[1] < 55);
-    CU_ASSERT(found[2] > 95 && found[2] < 160 && found[3] > 190);
-    CU_ASSERT(missed >= 1 && missed <= 20);
+    CU_ASSERT(found[0] >= 1 && found[0] <= 20 && found[1] > 10 && found[1] < 55);
+    CU_ASSERT(found[2] > 95 && found[2] < 160 && found[3] > 190 && missed >= 1 && missed <= 20);
     CU_ASSERT(none > 180);
 }
 
@@ -303,18 +301,15 @@ static void rest_takes_its_steps(void)
     }
 }
 
-/* Each disk counts, the first one too: 300 steps bring one to a speed below 1, and none into balance within
- * 1e-9 m g. */
+/* Each disk counts, the first too: 300 steps bring one to a speed below 1, none into balance to 1e-9 m g. */
 static void every_disk_must_rest(void)
 {
     sweep_result loose = run("N=2 rest_speed=1 max_steps=300 rest_force=10"),
                  strict = run("N=2 rest_speed=1 max_steps=300 rest_force=1e-9");
-    CHECK_NEAR(output(&loose, "capped_share"), 0.0, 0.0);
-    CHECK_NEAR(output(&strict, "capped_share"), 1.0, 0.0);
+    CHECK_ALL_NEAR(0.0, {output(&loose, "capped_share"), 0.0}, {output(&strict, "capped_share"), 1.0});
 }
 
-/* With little rolling resistance disks roll away: they are counted, carry no load and do not belong to the
- * pile. */
+/* With little rolling resistance disks roll away: they are counted, carry no load and are not of the pile. */
 static void away_is_no_part(void)
 {
     sweep_result r = run("N=30 mu_roll=0.02 x_limit=10");
@@ -403,8 +398,7 @@ static void kernels_collide_alike(void)
     }
 }
 
-/* The decay of a single disk on the ground ends above subnormal numbers; the caller's arithmetic still has
- * subnormal numbers. */
+/* The decay of a disk on the ground ends above subnormal numbers, which the caller's arithmetic still has. */
 static void tiny_numbers_are_zero(void)
 {
     for (int kernel = DEM_REFERENCE; kernel < DEM_KERNELS; kernel++) {

@@ -244,8 +244,7 @@ static void test_smooth_base(void)
         again.set_again = true;
         if (cases[c].again > 0) {
             CHECK_OK(solve(&slope, again));
-            CU_ASSERT(slope.result.broken > 0);
-            CU_ASSERT(sweep_outline_friction(45, slope.N, slope.H) < again.mu);
+            CU_ASSERT(slope.result.broken > 0 && sweep_outline_friction(45, slope.N, slope.H) < again.mu);
         } else if (cases[c].alpha > 59)
             CHECK_FAILS(solve(&slope, again), RP_NO_RESULT, "creeps");
     }
@@ -389,8 +388,7 @@ static void test_linearised(void)
     for (size_t i = 0; i < gaps.k; i++) CHECK_NEAR(gaps.H[i], gaps.exact[i].H, 22.5 * ROUNDING);
 }
 
-/* A soft well lets the rows separate: with growing half-width H approaches that of diagonal contacts alone, N
- * nearly. */
+/* A soft well lets the rows separate: as it widens H approaches that of diagonal contacts alone, N nearly. */
 static void test_soft_wells(void)
 {
     static const double a[] = {1, 10, 100, 1000}, found[] = {0.81, 0.83, 0.92, 1.00};
@@ -463,8 +461,7 @@ static void test_stronger_diagonals(void)
         else
             right_ones += (left[i] > right[i]) == (x[i] > axis);
     }
-    CU_ASSERT(both == (LAYERS - 1) * (LAYERS - 2) / 2);
-    CU_ASSERT(right_ones == both);
+    CU_ASSERT(both == (LAYERS - 1) * (LAYERS - 2) / 2 && right_ones == both);
 }
 
 /* A branch that ends under load: the pile jumps to another branch once, at full load. */
@@ -1231,8 +1228,7 @@ static void check_failed(void)
     CU_ASSERT(cell(&t, 0, "broken") == (double)told);
     read_again(&t, "failed/wells.tsv");
     CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "status"), "spreads");
-    CU_ASSERT(rp_table_find_note(&t, "state") != NULL);
-    CU_ASSERT(t.n_rows == 45 && cell(&t, 0, "disk") == 1);
+    CU_ASSERT(rp_table_find_note(&t, "state") != NULL && t.n_rows == 45 && cell(&t, 0, "disk") == 1);
     for (size_t i = 0; i < t.n_rows; i++) {
         const char *state = word(&t, i, "state");
         broken += strcmp(state, "broken") == 0;

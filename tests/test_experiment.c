@@ -181,7 +181,8 @@ static void test_forces(void)
 {
     static const char text[] =
         "dt = 4.0e-5; normal = { gamma_n = 2000.0; }; rest = { energy = 1e-20; force = 1e-9; };\n"
-        "walls = ( { name = `base`; point = (0.0, %s); direction = (%s, 1.0); } );\n"
+        "walls = ( { name = `side`; point = (-9.0, 0.0); direction = (1.0, 0.0); },\n"
+        "  { name = `base`; point = (0.0, %s); direction = (%s, 1.0); } );\n"
         "particles = ( { x = 1.0; y = %s; r = 0.1; }, { x = 3.0; y = %s; r = 0.1; } );\n"
         "regions = { here = { x = (0.5, 1.5); y = (%s, 9.0); }; };\n"
         "phases = ( { name = `lie`; until = `rest`; most = 200000; go_on = true; } );\n"
@@ -283,6 +284,19 @@ static void test_kept(void)
 {
     RUN_TRIAL(whole, hopper, 1000000, "ok");
     for (long k = 1; k < 12; k++) check_cut(hopper, &whole, 61 * k, 5 * k * 61 * k, 61 * k);
+}
+
+/* Where a run is: its phase, and what an `until` waits for once that has begun. */
+static void test_where(void)
+{
+    scoped_trial one, two;
+    char text[256];
+    start(&one, hopper), start(&two, shaken);
+    CU_ASSERT(strcmp(exp_where(one.run, text, sizeof text), "fill") == 0);
+    CHECK_OK(exp_advance(one.run, 500));
+    CHECK_OK(exp_advance(two.run, 500));
+    CHECK_PARTS(exp_where(one.run, text, sizeof text), "fill: energy = ", ", until held(energy < 1e-3, 3)");
+    CU_ASSERT(strcmp(exp_where(two.run, text, sizeof text), "fall") == 0);
 }
 
 static void test_words(void)
@@ -458,6 +472,8 @@ static void test_run(void)
     CU_ASSERT(m.n_rows == 8 && cell(&m, 0, "value") > 0.5);
     scoped_table series = read_table("whole/series_mean_y.tsv");
     CU_ASSERT(series.n_rows > 10);
+    PRINTS("\nD\tlet\t1.6\tcm\t(0, 6)\toutlet\n", "params h.cfg");
+    CHECK_PARTS(out, "\nN\tlet\t60\t-\t-\t-\n", "\nrate\tmeasure\t-\t1/s\t-\t");
     FAILS(64, "--every needs -o DIR", "run h.cfg --every 3");
     FAILS(65, "--set Mu=0.3: no such key or let (did you mean \"mu\"?)", "run h.cfg --set Mu=0.3");
     FAILS(65, "let.D: D = 7: out of range, allowed: (0, 6) cm", "run h.cfg --set D=7");
@@ -560,8 +576,7 @@ static void test_shared_ends(void)
     }
     SHELL("[ \"$($REPOSE sweep digest shared0)\" = \"$($REPOSE sweep digest shared1)\" ] && [ ! -e "
           "shared0/snapshots ]");
-    /* the ends of a shard's rows are taken by the next, those that are damaged are not; the merged folder has
-     * none */
+    /* the ends of a shard's rows are taken by the next, damaged ones are not; the merged folder has none */
     write_text("s.cfg", sweep, "kept", "shared");
     for (int damaged = 0; damaged < 2; damaged++) {
         GOOD("sweep plan s.cfg -o left%d", damaged);
@@ -650,8 +665,7 @@ static void test_walls(void)
     CHECK_NEAR(measured(&t, "f"), -0.01 * 1000.0, 0.05);
 }
 
-/* A grain on a plate that moves as A sin(w t) lifts off where A w^2 exceeds g, at the phase sin(w t) = g/(A
- * w^2). */
+/* On a plate that moves as A sin(w t) a grain lifts off where A w^2 > g, at sin(w t) = g/(A w^2). */
 static void test_vibrated(void)
 {
     for (int strong = 0; strong < 2; strong++) {
@@ -684,8 +698,7 @@ static void test_vibrated(void)
     }
 }
 
-/* A heap of columns: two slopes, one apex, a grain that flies above `to` over the left flank, one that has
- * run out. */
+/* A heap of columns: two slopes, one apex, a grain that flies above `to` over the left flank, one run out. */
 static void test_modules(void)
 {
     char text[16384];
@@ -985,6 +998,6 @@ CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, te
                    test_looks_at_rest, test_phases, test_known_so_far, test_line_of_correlated, test_forces,
                    test_surface_and_motion, test_walls, test_vibrated, test_modules, test_flanks_of_touching,
                    test_avalanches, test_limits_of_radii, test_more_modules, test_mean_grain,
-                   test_refused_more, test_cuts, test_kept, test_started_at, test_words, test_refused,
-                   test_keys, test_random_texts, test_run, test_resumed, test_swept, test_shared_ends,
-                   test_sweeps_refused)
+                   test_refused_more, test_cuts, test_kept, test_where, test_started_at, test_words,
+                   test_refused, test_keys, test_random_texts, test_run, test_resumed, test_swept,
+                   test_shared_ends, test_sweeps_refused)

@@ -404,8 +404,7 @@ static void test_text_files(void)
     "  { point = [0.15, 0.0]; direction = [0.96, 0.28]; gamma_n = 300.0; } );\n"
 
 /* The laws that coincide. After 1000 steps of grains that collide, the programs differ by round-off that
- * every impact multiplies: by RO radii at most. A coefficient that is off by 1e-6 moves a grain by 1e-6 and
- * more. */
+ * every impact multiplies: by RO radii at most. A coefficient off by 1e-6 moves a grain by that and more. */
 static const struct {
     const char *name, *laws;
 } same[] = {
@@ -584,10 +583,9 @@ static void test_input_files(void)
     const char *after = strstr(text, "\nvariable ");
     CU_ASSERT_PTR_NOT_NULL_FATAL(after);
     CU_ASSERT_STRING_EQUAL(after + 1, input);
-    CU_ASSERT_PTR_NOT_NULL(strstr(text, "\n# normal force: hertz; LAMMPS' own stiffness is k sqrt(R_eff)"));
-    CU_ASSERT_PTR_NOT_NULL(
-        strstr(text, ", together not below 0\n# shear force: spring k_s and dashpot gamma_s m_eff, "));
-    CU_ASSERT_PTR_NOT_NULL(strstr(text, "\n# start: of contacts whose dashpot"));
+    CHECK_PARTS(text, "\n# normal force: hertz; LAMMPS' own stiffness is k sqrt(R_eff)",
+                ", together not below 0\n# shear force: spring k_s and dashpot gamma_s m_eff, ",
+                "\n# start: of contacts whose dashpot");
 }
 
 /* Of one type, whose radii do not count; without gravity, shear and springs; a name of one letter. */
@@ -607,18 +605,16 @@ static void test_plain_input(void)
     CU_ASSERT(strstr(text, "\nvariable every index 1\n") && !strstr(text, "\ngroup type") &&
               !strstr(text, "fix gravity"));
 #define HOOKE "000 0.5 tangential linear_nohistory 0 0 damping mass_velocity"
-    CU_ASSERT_PTR_NOT_NULL(strstr(text, "\npair_coeff * * hooke 100" HOOKE "\nneighbor "));
-    CU_ASSERT_PTR_NOT_NULL(
-        strstr(text, "\ngroup mobile union all\nfix move mobile nve\nfix flat all enforce2d\nregion wall1 "
-                     "plane 0 -8 0 0 1 0\nfix wall1_1 all wall/gran/region granular hooke 200" HOOKE
-                     " region wall1\n\ndump "));
+    CHECK_PARTS(text, "\npair_coeff * * hooke 100" HOOKE "\nneighbor ",
+                "\ngroup mobile union all\nfix move mobile nve\nfix flat all enforce2d\nregion wall1 "
+                "plane 0 -8 0 0 1 0\nfix wall1_1 all wall/gran/region granular hooke 200" HOOKE
+                " region wall1\n\ndump ");
     CU_ASSERT(strstr(text, "# normal force: linear, dashpot gamma_n m_eff, which may pull\n# "
                            "shear force: none\n") &&
               !strstr(text, "# start"));
     GOOD("export l.cfg --to lammps-input -o a.in --set steps=200 --set 'gravity=[0.0,-0.5]'");
     slurp("a.in", text, sizeof text);
-    CU_ASSERT(strstr(text, "\nvariable every index 2\n") &&
-              strstr(text, "\nfix gravity mobile gravity 0.5 vector 0 -0.5 0\n"));
+    CHECK_PARTS(text, "\nvariable every index 2\n", "\nfix gravity mobile gravity 0.5 vector 0 -0.5 0\n");
     FAILS(64, "lammps-input needs a name that ends in .in", "export l.cfg --to lammps-input -o .in");
 }
 
@@ -788,8 +784,7 @@ static void test_random_texts(void)
         fputs("\n", table);
         fclose(table);
         fclose(names);
-        SHELL("mkdir made >out 2>err");
-        SHELL("rm -f random.csv random.json");
+        SHELL("mkdir made >out 2>err && rm -f random.csv random.json");
         GOOD("export random.tsv --to csv -o random.csv");
         GOOD("export random.tsv --to json -o random.json");
         for (int k = 0; k < 4; k++) {

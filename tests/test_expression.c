@@ -1,5 +1,4 @@
-/* Expressions of texts: values, types, messages, keys, and random ones against the tree that they were
- * written from. */
+/* Expressions of texts: values, types, messages, keys, and random ones against the trees they are of. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -93,8 +93,7 @@ static void waits_for_contact(void)
         CU_ASSERT(cell(&slow.series, k, "step") - cell(&slow.series, k - 1, "step") == 200.0);
 }
 
-/* Every grain is in the box or fell over the edge; at the end the box is quiet. The outputs are of the
- * series. */
+/* Every grain is in the box or fell over the edge; at the end the box is quiet. Outputs are of the series. */
 static void outputs_from_series(void)
 {
     static const char *const small[] = {"W=1.3", "insertions=148", "entry_width=1", "avalanche=2", NULL};

@@ -1,5 +1,4 @@
-/* The corpus of the fuzzer, read again: inputs that reach much of the readers, and those that once broke one.
- */
+/* The corpus of the fuzzer, read again: inputs that reach much of the readers, and that once broke one. */
 #include <dirent.h>
 #include <limits.h>
 #include <stdlib.h>

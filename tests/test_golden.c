@@ -50,8 +50,7 @@ static const char pile_hashed[] = "n_disks contacts horizontal negative_modes br
 static const char drop_hashed[] =
     "disks height width centroid dip balance psi6 contacts steps settled relax_steps";
 
-/* The second run of `repose`: the other floor, spring and mass, a lifted wall, contacts without attraction.
- */
+/* The second run of `repose`: other floor, spring and mass, a lifted wall, contacts without attraction. */
 static const golden_run runs[] = {
     {"repose", "W=2 H=2 theta_t=true", repose_hashed, "ok", 0x69f885c6c90388ee,
      "theta_r1_deg=22.608706582791452 theta_r2_deg=18.815473553970179 theta_r3_deg=18.30022251707566"},

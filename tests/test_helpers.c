@@ -16,8 +16,7 @@
 #include "validation/oblique.h"
 #include "validation/solved_pile.h"
 
-/* How many assertions of a function fail, counted in a process of its own, which keeps its messages to
- * itself. */
+/* How many assertions of a function fail, counted in a process of its own, which keeps its messages. */
 static unsigned failures_of(void (*function)(void))
 {
     int status = 0;
@@ -90,10 +89,8 @@ static void good_statuses(void)
 
 static void test_check(void)
 {
-    CU_ASSERT_EQUAL(failures_of(bad_numbers), 8);
-    CU_ASSERT_EQUAL(failures_of(bad_pairs), 7);
-    CU_ASSERT_EQUAL(failures_of(good_numbers), 0);
-    CU_ASSERT_EQUAL(failures_of(bad_statuses), 4);
+    CU_ASSERT(failures_of(bad_numbers) == 8 && failures_of(bad_pairs) == 7);
+    CU_ASSERT(failures_of(good_numbers) == 0 && failures_of(bad_statuses) == 4);
     CU_ASSERT_EQUAL(failures_of(good_statuses), 0);
 }
 
@@ -134,8 +131,7 @@ static void no_case(void)
 static void test_cases(void)
 {
     problem = (case_problem){.problem = "impact"};
-    CU_ASSERT_EQUAL(failures_of(bad_cases), 5);
-    CU_ASSERT_EQUAL(failures_of(no_case), 1);
+    CU_ASSERT(failures_of(bad_cases) == 5 && failures_of(no_case) == 1);
     case_near(&problem, "exit speed", 2.0, 2.25, 0.5, "e = %g, law = %s", 0.5, "hertz");
     CHECK_NEAR(problem.worst, 0.5, 0.0);
     case_near(&problem, "time", 3.0, 2.875, 0.5, "e = %g", 0.25);
@@ -334,8 +330,7 @@ static void check_lattice(const solved_pile *pile)
     CU_ASSERT_EQUAL(pairs, 2 * (pile->n - ground));
 }
 
-/* The lattice pile in equilibrium: its scene holds the same disks without weight, and loading raises gravity
- * to 1. */
+/* The lattice pile in equilibrium: its scene holds the disks without weight, loading raises gravity to 1. */
 static void test_solved_pile(void)
 {
     const double eps = 1e-4;

@@ -4,6 +4,7 @@
 #include <gsl/gsl_randist.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "check.h"
 #include "core/arena.h"
@@ -16,7 +17,8 @@
 typedef struct {
     size_t n_names, n_numbers;
     bool degenerate, arch; /* every number is one of the same sum; rises and falls */
-    double fails;          /* the sum of the first two names above which runs have no number; 0: none */
+    double fails;          /* the sum of the first two names above which runs have no number; 0: none; below
+                              0: minus the last name alone */
     double scatter[STATS_NUMBERS];
     gsl_rng *noise;
     rp_arena arena;
@@ -47,6 +49,8 @@ static rp_status run(void *host, size_t stage, size_t *n, const double **x, cons
             stats_runs *r = &(*runs)[k * *n + i];
             const double *at = &(*x)[i * s->n_names];
             if (s->fails > 0.0 && at[0] + (s->n_names > 1 ? at[1] : 0.0) > s->fails) continue;
+            if (s->fails < 0.0 && at[s->n_names - 1] > -s->fails) continue;
+            if (s->fails > 9.0 && fmod(s->fails * at[0], 1.0) < 0.6) continue; /* anywhere */
             for (size_t j = 0; j < replicas[0]; j++) {
                 const double y = number_of(s, k, at) + gsl_ran_gaussian(s->noise, s->scatter[k]),
                              d = y - r->mean;
@@ -162,7 +166,15 @@ static void test_arch(void)
         CHECK_NEAR(i->value, root, 0.02);
         CU_ASSERT(i->lower < root && i->upper > root && i->upper - i->lower < 0.05);
     }
-    q.value[0] = 29.9;
+    q.error[0] = 0.2;
+    for (int c = 0; c < 50; c++) { /* the form adds an eighth to the error, at the other value too */
+        CHECK_OK(stats_identify(&q, &a));
+        for (size_t k = 0; k < a.n_intervals[0]; k++) {
+            const stats_interval *i = &a.interval[0][k];
+            CU_ASSERT((i->upper - i->lower) * 100.0 * fabs(i->value - 0.5) < 1.15 * 1.96 * q.error[0]);
+        }
+    }
+    q.value[0] = 29.9, q.error[0] = 0.3;
     CHECK_OK(stats_identify(&q, &a));
     CU_ASSERT(a.status[0] == STATS_IDENTIFIED_OK && a.own[0].lower < 0.5 && a.own[0].upper > 0.5);
     q.value[0] = 36.0;
@@ -261,6 +273,60 @@ static void test_failing(void)
         CHECK_OK(stats_identify(&q, &a));
         CU_ASSERT(a.status[0] == (k ? STATS_IDENTIFIED_NO_RUNS : STATS_IDENTIFIED_OK));
     }
+    int lacking = 0, tried = 0;
+    for (int k = 0; k < 40; k++) { /* most of those in the interval lack it, or the nearest does */
+        scoped_stand_in one = {.n_names = 1, .n_numbers = 1, .scatter = {0.3}, .fails = 1e3 * M_PI + 7.7 * k};
+        one.noise = rp_random_alloc(14, (unsigned long)k, RP_PURPOSE_TEST);
+        const stats_quest q = quest_of(&one, (double[]){0.4}, 0.3);
+        if (stats_identify(&q, &a)) continue; /* too few points */
+        tried++, lacking += a.status[0] == STATS_IDENTIFIED_NO_RUNS;
+    }
+    CU_ASSERT(tried > 30 && 10 * lacking > 7 * tried);
+    s.fails = -0.6;
+    const stats_quest q = quest_of(&s, (double[]){0.7, 0.3}, 0.1);
+    CHECK_OK(stats_identify(&q, &a));
+    CU_ASSERT(a.status[0] == STATS_IDENTIFIED_OK && a.hi[0] == 1.0 && a.hi[1] > 0.5 && a.hi[1] <= 0.6);
+}
+
+/* What was found at first, digit by digit: the tests above bound it as widely as it scatters. Of each name
+ * status, value, error, interval, weight, upper end; of each number value, error, fit. */
+static void test_answers(void)
+{
+    static const struct {
+        stand_in s;
+        double error;
+        const char *answer;
+    } cases[] = {{{.n_names = 1, .n_numbers = 2},
+                  0.4,
+                  "0 0.3653 0.0193 0.3272 0.4033 1 1; 28.36 0.0805 0.44; 12.56 0.182 0.15; 0.00028 1; "
+                  "0.3653 0.0193; 5 60 0 240 46 45"},
+                 {{.n_names = 2, .n_numbers = 3, .fails = 1.1},
+                  0.5,
+                  "0 0.4083 0.0316 0.3492 0.473 1 0.938; 0 0.5162 0.0671 0.3879 0.6399 0.288 0.938; "
+                  "29.27 0.196 0.098; 12.76 0.103 0.4; 22.8 0.0804 0.59; 6.4 -0.52; 0.5569 0.0272; 6 "
+                  "120 61 720 41 40"},
+                 {{.n_names = 2, .n_numbers = 3, .degenerate = true},
+                  0.3,
+                  "3 0.3187 0.91 0 1 1 1; 0 0.585 0.483 0.2066 0.7763 1.88 1; 34.32 0.0839 0.87; 35.33 "
+                  "0.0817 0.89; 36.39 0.0927 0.69; 0.0514 -1; 1.42 0.0178; 4 80 0 320 75 74"}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        scoped_stand_in s = cases[k].s;
+        char text[512] = "", *end = text;
+        stats_answer a;
+        s.noise = rp_random_alloc(15, k, RP_PURPOSE_TEST);
+        for (size_t i = 0; i < s.n_numbers; i++) s.scatter[i] = 0.8;
+        stats_quest q = quest_of(&s, (double[]){0.37, 0.56, 0.45}, cases[k].error);
+        q.budget = 900, q.leave_out = true;
+        CHECK_OK(stats_identify(&q, &a));
+        for (size_t p = 0; p < s.n_names; p++)
+            end += sprintf(end, "%d %.4g %.3g %.4g %.4g %.3g %.3g; ", a.status[p], a.x[p], a.se[p],
+                           a.own[p].lower, a.own[p].upper, a.weight[p], a.hi[p]);
+        for (size_t i = 0; i < s.n_numbers; i++)
+            end += sprintf(end, "%.4g %.3g %.2g; ", a.fitted[i], a.fit_error[i], a.p_value[i]);
+        sprintf(end, "%.3g %.2g; %.4g %.3g; %zu %zu %zu %zu %zu %zu", a.chi2, a.correlation[0][s.n_names - 1],
+                a.sum, a.sum_error, a.stages, a.n_points, a.n_failed, a.n_runs, a.tried, a.recovered);
+        CHECK_OR_SAY(strcmp(text, cases[k].answer) == 0, "%zu: \"%s\"", k, text);
+    }
 }
 
 /* A curved valley a thousandth as wide as the box, which a grid misses. */
@@ -299,4 +365,4 @@ static void test_valleys(void)
 }
 
 CHECK_SUITE(identify, "identify", test_valleys, test_one, test_two, test_three, test_arch, test_degenerate,
-            test_statuses, test_failing)
+            test_statuses, test_failing, test_answers)

@@ -1,5 +1,4 @@
-/* Every contact law of the lists in laws.h, with every feature and kernel: a law is tested because it is
- * listed. */
+/* Every contact law of the lists in laws.h, with every feature and kernel: what is listed is tested. */
 #include <gsl/gsl_integration.h>
 #include <stdlib.h>
 #include <string.h>

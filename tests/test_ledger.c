@@ -80,8 +80,7 @@ static dem_definition kicked(dem_grain *grain, double kick, const dem_material *
     return def;
 }
 
-/* Friction dissipates mu m g times the sliding distance; here all loss, except for the dashpot, is at the
- * wall. */
+/* Friction dissipates mu m g times the sliding distance; all loss but the dashpot's is at the wall. */
 static void sliding_block(void)
 {
     for (int choice = 0; choice < 8; choice++) {

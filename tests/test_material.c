@@ -38,8 +38,7 @@ static void go(path *p, double x, double shear)
     p->force = dem_law_shear(c, 1.0, shear, 1.0, 1.0, &p->spring), p->x = x;
 }
 
-/* F = k sqrt(R x) s at one overlap; it stays while the contact grows, and falls as its radius while that
- * shrinks. */
+/* F = k sqrt(R x) s at one overlap; it stays while the contact grows, and falls as its radius shrinks. */
 static void mindlin_path(void)
 {
     path p = {.k = 3e7, .r = 0.04, .x = 1e-3};
@@ -54,8 +53,7 @@ static void mindlin_path(void)
     CHECK_NEAR(p.force, 0.5 * held + 3e7 * sqrt(0.04 * 1e-3) * 1e-5, 1e-12 * fabs(held));
 }
 
-/* Thornton's test: round any path of overlap and shear back to its start the contact has taken energy, or
- * none. */
+/* Thornton's test: round any path of overlap and shear to its start the contact has taken energy, or none. */
 static void no_energy_gained(void)
 {
     scoped_rng *rng = numbers_of(5, 0);
@@ -280,8 +278,7 @@ static void arms_below_the_limit(void)
     }
 }
 
-/* A surface acts the same as a whole line and as a segment, at rest and, seen from a frame that moves along,
- * moving. */
+/* A surface acts the same as a whole line and as a segment, at rest, and moving in a frame along with it. */
 static void walls_alike(void)
 {
     static const char *const walls[] = {"", " extent = [-9.0, 9.0];", " velocity = [0.0, 7.0];"};

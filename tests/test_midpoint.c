@@ -59,8 +59,7 @@ static void slides_and_creeps(void)
     CU_ASSERT(slid > 30 && slid < 60);
 }
 
-/* A disk moves in its well: the depth belongs to N = m g throughout, since the disk is in vertical
- * equilibrium. */
+/* A disk moves in its well: the depth belongs to N = m g throughout, as the disk is in vertical balance. */
 static void well_conserves(void)
 {
     const double mu = 0.3, a = 0.02, omega = sqrt(mu / a), escape = sqrt(mu * a);
@@ -253,8 +252,7 @@ static void printed_form_loses_energy(void)
         v = 2.0 * u / dt - v;
         CHECK_OK(dem_run(sim, 1));
     }
-    CU_ASSERT(x > 0.0 && v > 0.0);
-    CU_ASSERT(fabs(v / 0.5 - 1.0) > 1e-3);
+    CU_ASSERT(x > 0.0 && v > 0.0 && fabs(v / 0.5 - 1.0) > 1e-3);
     CHECK_NEAR(grains_state_of_one(sim).vy, 0.5, 1e-13);
 }
 
@@ -290,8 +288,7 @@ static void sweeps_match_direct(void)
             CHECK_PAIRS(1e-12, {s[i].x, t[i].x}, {s[i].y, t[i].y});
             CHECK_NEAR(s[i].vx, t[i].vx, 1e-10);
         }
-        CU_ASSERT(s[0].x == grains[0].x && s[0].vy == 0.0);
-        CU_ASSERT(fabs(s[1].y - grains[1].y) > 1e-5);
+        CU_ASSERT(s[0].x == grains[0].x && s[0].vy == 0.0 && fabs(s[1].y - grains[1].y) > 1e-5);
     }
 }
 
@@ -383,8 +380,7 @@ static void same_bits(void)
         CHECK_OK(dem_run(a, 500));
         CHECK_OK(dem_run(b, 500));
         CHECK_OK(dem_run(c, 1000));
-        CU_ASSERT(grains_same_bits(a, b));
-        CU_ASSERT(grains_same_bits(a, c));
+        CU_ASSERT(grains_same_bits(a, b) && grains_same_bits(a, c));
         const dem_grain late = {.x = 1.8, .y = 6.0, .r = 0.4, .m = 0.5};
         CHECK_OK(dem_add(a, &late, NULL));
         const double before = grains_energy(a);

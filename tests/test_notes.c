@@ -38,8 +38,7 @@ static void check_note(const rp_table *t, const char *key, const char *format, .
 
 /* ---- rows used and left out ---- */
 
-/* Of 14 rows five serve, one has no result, two have nan, and of the rest three lie below x = 1 and three
- * above 5. */
+/* Of 14 rows five serve, one has no result, two have nan; three lie below x = 1, three above 5. */
 static void write_rows(void)
 {
     write_text(
@@ -368,8 +367,7 @@ static void check_export(size_t stored)
     if (stored < 6) check_note(&t, "shards with missing runs", "1,3 of 3");
 }
 
-/* A copy with one more shard of two runs is merged twice, and then into a sweep that shares two of its runs.
- */
+/* A copy with one more shard of two runs is merged twice, then into a sweep that shares two of its runs. */
 static void check_merge(void)
 {
     write_text("f.cfg",

@@ -120,8 +120,7 @@ static void dip_invariances(void)
 
 /* ---- dips ---- */
 
-/* N = 2 + the distance from the middle in bins: means 3 within 0.1 B, 5 from there to 0.2 B, 6 to 0.3 B, 7 of
- * all. */
+/* N = 2 + the distance from the middle in bins: means 3 within 0.1 B, 5 to 0.2 B, 6 to 0.3 B, 7 of all. */
 static void dips_of_a_wedge(void)
 {
     double N[STRESS_DIP_BINS], rays[STRESS_DIP_BINS];
@@ -463,8 +462,7 @@ static void check_continuum(const pile_case *c, const sweep_outline *h, const do
                sqrt(gsl_stats_tss_m(h_off, 1, 22, 0) / 22) / gsl_stats_max(h_own, 1, 22), BALANCE);
 }
 
-/* Independent computation of all outputs: springs and wells, equal and unequal disks, triangles and a tent.
- */
+/* All outputs computed independently: springs and wells, equal and unequal disks, triangles and a tent. */
 static void outputs_a_second_way(void)
 {
     const double TOP = 0.38 * tan(30 * DEG) + 0.12 * tan(45 * DEG);

@@ -202,8 +202,7 @@ static bool holds_part(const char *text, const char *value)
     return false;
 }
 
-/* Sentences name a condition that is not usual. A number that follows the key's own name is one of those
- * there. */
+/* Sentences name a condition that is not usual. A number after the key's own name is one of those there. */
 static bool condition_fits(const around *a, bool sentence, const char *key, const char *value)
 {
     char *end, list[256];

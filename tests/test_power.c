@@ -518,8 +518,7 @@ static void replace_result(const char *options)
     make_case("old", "start");
     CU_ASSERT(run_in("old", old, 0) == 0);
     make_case("new", "start");
-    CU_ASSERT(run_in("new", new, 0) == 0);
-    CU_ASSERT(seen->renames > 1 && seen->early == 0 && seen->loose == 0);
+    CU_ASSERT(run_in("new", new, 0) == 0 && seen->renames > 1 && seen->early == 0 && seen->loose == 0);
     count_equal("new", "new", &n_new);
     CU_ASSERT(n_new >= 3 && count_equal("new", "old", &n) == 0);
     for (long k = 1;; k += check_fast() ? 5 : 1) {

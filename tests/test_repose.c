@@ -56,8 +56,7 @@ static double line_deg(int n, const double h[], double cell)
     return -atan((n * sjh - sj * sh) / (n * sjj - sj * sj) / cell) * RADIAN_DEG;
 }
 
-/* Highest centres minus d/2 in an odd number of cells of 0.2; straight lines through those on each side of
- * the middle one. */
+/* Highest centres minus d/2 in an odd number of cells of 0.2; lines through those beside the middle one. */
 static void check_halves(const grains *g, int cells, const sweep_result *result)
 {
     double h[11] = {0.0};

@@ -207,8 +207,7 @@ static void large_pile(void)
     advance(sim, 30);
     advance(copy, 30);
     const dem_counts counts = grains_counts(sim);
-    CU_ASSERT(counts.pairs > 6 * 8192 && counts.rebuilds > 2);
-    CU_ASSERT(same(sim, copy));
+    CU_ASSERT(counts.pairs > 6 * 8192 && counts.rebuilds > 2 && same(sim, copy));
 }
 
 /* ---- Files ---- */
@@ -423,8 +422,7 @@ static void killed_runs(void)
                 k % 2 ? "KILL" : "TERM", ms / 1000, ms % 1000);
             if (++attempts == 40) break;
         }
-        CU_ASSERT(status == 0);
-        CU_ASSERT(equal_files());
+        CU_ASSERT(status == 0 && equal_files());
     }
 }
 
@@ -770,8 +768,7 @@ static void stopped_row(void)
         int kept = 0;
         CU_ASSERT(stop_until_done("run r.cfg --row 1 -o d >again", seconds, "d/unfinished/snapshot", &kept) ==
                   0);
-        CU_ASSERT(kept > 0);
-        CU_ASSERT(equal_files());
+        CU_ASSERT(kept > 0 && equal_files());
         SHELL("for t in row again; do grep -v run_time $t >$t.rest; done; cmp row.rest again.rest");
     }
 }

@@ -419,8 +419,7 @@ static void passes_through_a_row(void)
     }
 }
 
-/* Impulses against the order of the pairs need one round per pair, of at most eight; the remaining pairs
- * collide softly. */
+/* Impulses against the order of pairs need a round per pair, of at most eight; other pairs collide softly. */
 static void rounds_end(void)
 {
     enum { N = 12 };
@@ -552,8 +551,7 @@ static void touches_at_the_end(void)
     }
 }
 
-/* A disk that falls onto the end of a wall comes within a radius of the wall's line before it touches the
- * corner. */
+/* A disk that falls onto the end of a wall comes within a radius of the wall's line before the corner. */
 static void bounces_off_a_corner(void)
 {
     GRAINS_EACH_KERNEL (kernel, DEM_FAST) {
@@ -649,8 +647,7 @@ static void pile_of_disks(void)
         last = grains_energy(sim);
     }
     CHECK_OK(dem_run(copy, 3900));
-    CU_ASSERT(grains_same_bits(sim, copy));
-    CU_ASSERT(collisions(sim) > HEAP && collisions(copy) == collisions(sim));
+    CU_ASSERT(grains_same_bits(sim, copy) && collisions(sim) > HEAP && collisions(copy) == collisions(sim));
     size_t n, wells = 0;
     scoped dem_contact *list = grains_contacts(sim, &n);
     for (size_t k = 0; k < n; k++) wells += list[k].well == DEM_WELL_HOLDS;

@@ -211,8 +211,7 @@ static const char *digest(size_t rows)
 static void sql_in(const char *path, const char *text)
 {
     sqlite3 *db;
-    CU_ASSERT(sqlite3_open(path, &db) == SQLITE_OK);
-    CU_ASSERT(sqlite3_exec(db, text, NULL, NULL, NULL) == SQLITE_OK);
+    CU_ASSERT(sqlite3_open(path, &db) == SQLITE_OK && sqlite3_exec(db, text, NULL, NULL, NULL) == SQLITE_OK);
     sqlite3_close(db);
 }
 
@@ -310,11 +309,9 @@ static void test_order(void)
     for (size_t r = 0; r < 12; r++) { /* the last list fastest, replicas innermost */
         double x = r < 6 ? 0.125 : 2.385;
         bool five = r % 6 < 3;
-        CU_ASSERT(number(&t, r, "run") == (double)(r));
-        CU_ASSERT(number(&t, r, "x") == x);
+        CU_ASSERT(number(&t, r, "run") == (double)(r) && number(&t, r, "x") == x);
         CU_ASSERT_STRING_EQUAL(cell(&t, r, "k"), five ? "5" : "auto");
-        CU_ASSERT(number(&t, r, "replica") == (double)(r % 3));
-        CU_ASSERT(number(&t, r, "pile") == (double)(r % 3));
+        CU_ASSERT(number(&t, r, "replica") == (double)(r % 3) && number(&t, r, "pile") == (double)(r % 3));
         CU_ASSERT(number(&t, r, "y_deg") == expected(x, five ? 5 : -1, 77, r % 3));
         CU_ASSERT_STRING_EQUAL(cell(&t, r, "never"), "nan");
     }
@@ -358,8 +355,7 @@ static void test_shared_piles(void)
     scoped_table t = exported(SWEEP_RUNS);
     CU_ASSERT_FATAL(t.n_rows == 6);
     for (size_t r = 0; r < 6; r++) {
-        CU_ASSERT(number(&t, r, "run") == (double)(r));
-        CU_ASSERT(number(&t, r, "pile") == (double)(r % 3));
+        CU_ASSERT(number(&t, r, "run") == (double)(r) && number(&t, r, "pile") == (double)(r % 3));
         CU_ASSERT(number(&t, r, "y_deg") == expected(r < 3 ? 0.125 : 2.385, 3, 77, r % 3));
     }
     CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE pile = run % 3") == 6);
@@ -376,8 +372,7 @@ static double noise(const rp_table *t, const char *x, const char *k, const char 
     return NAN;
 }
 
-/* Plans that differ in one value, wherever it stands, have different digests: a store then numbers its runs
- * anew. */
+/* Plans that differ in one value, wherever it stands, have other digests: a store then numbers runs anew. */
 static void test_digest_of_plan(void)
 {
     static const char *const texts[] = {
@@ -548,8 +543,7 @@ static void test_digest(void)
 
     planned(SLOW_SWEEP);
     int end = interrupted(SIGKILL, 4);
-    CU_ASSERT(WIFSIGNALED(end) && WTERMSIG(end) == SIGKILL);
-    CU_ASSERT(stored() >= 4 && c.stored < SLOW_RUNS);
+    CU_ASSERT(WIFSIGNALED(end) && WTERMSIG(end) == SIGKILL && stored() >= 4 && c.stored < SLOW_RUNS);
     const size_t first = c.stored;
     sql(KEEP);
     CHECK_OK(run(2));
@@ -558,8 +552,7 @@ static void test_digest(void)
 
     sql("DELETE FROM runs WHERE run >= 5");
     end = interrupted(SIGTERM, 9);
-    CU_ASSERT(WIFEXITED(end) && WEXITSTATUS(end) == RP_STOPPED);
-    CU_ASSERT(stored() >= 9 && c.stored < SLOW_RUNS);
+    CU_ASSERT(WIFEXITED(end) && WEXITSTATUS(end) == RP_STOPPED && stored() >= 9 && c.stored < SLOW_RUNS);
     CHECK_OK(run(3));
     CU_ASSERT_STRING_EQUAL(digest(SLOW_RUNS), one);
 }
@@ -594,8 +587,7 @@ static void test_stop(void)
     o.workers = 2;
     stored_before = c.stored;
     CHECK_OK(sweep_run(dir, toys, &o, &c));
-    CU_ASSERT(c.stored == SLOW_RUNS);
-    CU_ASSERT(waitpid(-1, NULL, WNOHANG) == -1);
+    CU_ASSERT(c.stored == SLOW_RUNS && waitpid(-1, NULL, WNOHANG) == -1);
     size_t before = calls;
     CHECK_OK(sweep_run(dir, toys, &o, &c)); /* nothing to do */
     CU_ASSERT(calls == before && c.stored == SLOW_RUNS);
@@ -617,8 +609,7 @@ static void test_crash(void)
     /* a crash may be the machine's fault: only crashed runs are repeated */
     sql(KEEP " WHERE status <> 'crashed'");
     CHECK_FAILS(run(1), RP_NO_RESULT, "crashed 3");
-    CU_ASSERT(c.stored == 10 && c.failed == 3);
-    CU_ASSERT(sql_number(KEPT) == 7);
+    CU_ASSERT(c.stored == 10 && c.failed == 3 && sql_number(KEPT) == 7);
     /* an error of the protocol, in contrast, stops the sweep; stored runs stay */
     planned("replicas = 6; piles = \"shared\"; fixed = { mode = \"break\"; };\n"
             "grid = { x = [0.5, 1.5, 2.5, 3.5]; };");
@@ -763,8 +754,7 @@ static void test_makers(void)
     scoped char *text = protocol_export(dir, toys, SWEEP_RUNS);
     snprintf(plain, sizeof plain, "# runs made by: repose %s, commit %s, %s (2)\n", RP_VERSION,
              rp_build_commit, rp_build_compiler);
-    CU_ASSERT(strstr(text, "# runs made by: repose 0.1.9, commit 0123abc-dirty, gcc 9 (2)\n") &&
-              strstr(text, plain));
+    CHECK_PARTS(text, "# runs made by: repose 0.1.9, commit 0123abc-dirty, gcc 9 (2)\n", plain);
 }
 
 /* Runs that crashed are made again, and forgotten then; those of another plan stay. */
@@ -857,8 +847,7 @@ static void test_literal_names(void)
     CU_ASSERT(chdir(before) == 0);
 }
 
-/* A snapshot that a killed drive left goes once all runs are stored; no other file does, whatever its name.
- */
+/* A snapshot that a killed drive left goes once all runs are stored; no other does, whatever its name. */
 static void test_left_snapshots(void)
 {
     static const char key[] = "0123456789abcdef0123456789abcdef";
@@ -969,8 +958,8 @@ static void test_further_output(void)
     CHECK_OK(sweep_digest(dir, later, found, &rows));
     CU_ASSERT(rows == 6);
     scoped char *text = protocol_export(dir, later, SWEEP_RUNS);
-    CU_ASSERT(strstr(text, "# no value: further of 4 runs, stored before the program had this output\n") &&
-              strstr(text, "\tnan\t") && strstr(text, "\t2.385\t"));
+    CHECK_PARTS(text, "# no value: further of 4 runs, stored before the program had this output\n", "\tnan\t",
+                "\t2.385\t");
     CHECK_OK(sweep_merge(dir, later, 1, (char *const[]){other}, &m, &c));
     CU_ASSERT(m.duplicates == 4 && m.taken == 0);
     CHECK_OK(sweep_prepare(file, other, 0, later, NULL, &c));
@@ -1350,8 +1339,7 @@ static void test_merge(void)
     CHECK_FAILS(sweep_merge(dir, toys, 1, files, &m, &c), RP_BAD_INPUT, "no store");
 }
 
-/* A run that crashed in one store and not in the other: the result counts, whichever store takes the other.
- */
+/* A run that crashed in one store and not in the other: the result counts, whichever takes the other. */
 static void test_merge_of_crashed(void)
 {
     for (int way = 0; way < 2; way++) {
@@ -1364,8 +1352,7 @@ static void test_merge_of_crashed(void)
         }
         calm = false;
         CHECK_OK(sweep_merge(dir, toys, 1, others, &m, &c));
-        CU_ASSERT(c.stored == 10 && c.failed == 0 && sweep_count_aborted(&c) == 0);
-        CU_ASSERT(m.duplicates == 10);
+        CU_ASSERT(c.stored == 10 && c.failed == 0 && sweep_count_aborted(&c) == 0 && m.duplicates == 10);
         digest(10);
     }
 }
@@ -1463,8 +1450,7 @@ static void test_known_keys(void)
         sweep_plan_key(&plan, known[k].run, key);
         CU_ASSERT_STRING_EQUAL(key, known[k].key);
         const sweep_stream s = sweep_plan_stream(&plan, known[k].run);
-        CU_ASSERT_EQUAL(s.seed, known[k].stream.seed);
-        CU_ASSERT_EQUAL(s.run, known[k].stream.run);
+        CU_ASSERT(s.seed == known[k].stream.seed && s.run == known[k].stream.run);
         CU_ASSERT_EQUAL(s.pile, known[k].stream.pile);
     }
     CU_ASSERT_STRING_EQUAL(sweep_plan_describe(&plan, 4, text, sizeof text),
@@ -1524,8 +1510,7 @@ static void check_columns(sqlite3_stmt *q, const sweep_plan *plan, size_t run)
     const double value = sqlite3_column_double(q, 9), seconds = sqlite3_column_double(q, 8);
     sum = XXH3_64bits_withSeed(&seconds, sizeof seconds, XXH3_64bits_withSeed("seconds", 7, sum));
     sum += XXH3_64bits_withSeed(&value, sizeof value, XXH3_64bits("y_deg", 5)); /* `never` adds nothing */
-    CU_ASSERT(sqlite3_column_int64(q, 10) == (sqlite3_int64)sum);
-    CU_ASSERT(seconds >= 0.0 && seconds < 10.0);
+    CU_ASSERT(sqlite3_column_int64(q, 10) == (sqlite3_int64)sum && seconds >= 0.0 && seconds < 10.0);
     CU_ASSERT_STRING_EQUAL((const char *)sqlite3_column_text(q, 1), run % 2 ? "ok" : "ok_fixed_time");
     CU_ASSERT_STRING_EQUAL((const char *)sqlite3_column_text(q, 2), "");
     CU_ASSERT(strncmp((const char *)sqlite3_column_text(q, 3), "repose ", 7) == 0);
@@ -1547,8 +1532,7 @@ static void test_stored_columns(void)
     sweep_plan_free(&plan);
 }
 
-/* A store is being written if its last sign of life is less than a minute old, by a clock that may be wrong
- * either way. */
+/* A store is being written if its last sign of life is less than a minute old, by any clock. */
 static void test_running(void)
 {
     static const struct {
@@ -1628,8 +1612,7 @@ static void test_full_disk(void)
     CU_ASSERT(sql_number("SELECT count(*) FROM pragma_integrity_check WHERE integrity_check = 'ok'") == 1);
 }
 
-/* Every parameter of the list of dem/law/parameters.h is known to sweeps of texts and, by its key, to scenes.
- */
+/* Every parameter of the list of dem/law/parameters.h is known to sweeps of texts and, by its key, scenes. */
 static void test_physics(void)
 {
     static const struct {

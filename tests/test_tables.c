@@ -552,8 +552,7 @@ static void none_failed(checked *c)
     }
 }
 
-/* Runs without a result, behind each row of a derived table: those of its group and of its range, of runs and
- * of grid points. */
+/* Runs without a result, behind each row of a derived table: of its group and range, by runs, by points. */
 static void test_failed(void)
 {
     static const struct {
@@ -960,8 +959,7 @@ static void test_systems_of_sweeps(void)
     GOOD("run b.cfg -o r");
     SHELL("[ -e r/phases.tsv ] && [ ! -e r/scene.cfg ]"); /* the text is in other units */
     GOOD("stress base r/pile --width 0.02");
-    CU_ASSERT(strstr(out, "\n# g: 9.81 m/s^2\n") && strstr(out, "\n# diameter: 0.002 m\n") &&
-              strstr(out, "\n# units: 1\tN/m\tN/m\t"));
+    CHECK_PARTS(out, "\n# g: 9.81 m/s^2\n", "\n# diameter: 0.002 m\n", "\n# units: 1\tN/m\tN/m\t");
     GOOD("params repose --units si");
     CU_ASSERT(strstr(out, "N/m^1.5    real   10000 ") != NULL);
     /* the g of SI among values in cgs */

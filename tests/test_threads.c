@@ -62,8 +62,7 @@ static void outflows(void)
     }
 }
 
-/* Scenes whose grains wait for all forces: walls that move, gravity that turns, a box that turns; and the
- * reference kernel. */
+/* Scenes whose grains wait for all forces: walls that move, gravity or a box that turns; reference kernel. */
 static void turning(void)
 {
     const long part = check_fast() ? 100 : 250;
@@ -77,8 +76,7 @@ static void turning(void)
     }
 }
 
-/* Clocks around the phases take one; so do hard collisions, the ledger and Gear's integrator, see the suite
- * `removal`. */
+/* Clocks around the phases take one; so do hard collisions, the ledger and Gear's integrator (`removal`). */
 static void one_thread(void)
 {
     dem_definition def = grains_box(400, 4.0, 9, NULL);
@@ -89,8 +87,7 @@ static void one_thread(void)
     CU_ASSERT(grains_same_bits(one, timed) && times.lists > 0.0 && times.walls > 0.0);
 }
 
-/* A fault is found at the same step, with the same message: by the reference loop, in chunks, and in threads.
- */
+/* A fault is found at the same step, with the same message: by the reference loop, in chunks, in threads. */
 static void fault(bool wall)
 {
     dem_definition def = grains_too_soft(wall);
@@ -135,8 +132,7 @@ static void snapshots(void)
     dem_free(one), dem_free(sim);
 }
 
-/* The program: tables of a run with one thread, with two, and of a run that is stopped and resumed with
- * three. */
+/* The program: tables of a run with one thread, with two, and of one stopped and resumed with three. */
 static void program(void)
 {
     if (check_fast()) return; /* the suite runs threads in its own process */

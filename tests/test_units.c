@@ -138,8 +138,7 @@ static bool same_work(units u, const dem_sim *one, const dem_sim *other)
            a.iterations == b.iterations;
 }
 
-/* The scene in two other units, with smaller and larger numbers, and by other kernels; a grain is put in on
- * the way. */
+/* The scene in two other units, of smaller and larger numbers, by other kernels; a grain comes on the way. */
 static void check(const dem_definition *def, size_t chunk, long steps, const dem_grain *extra)
 {
     static const units others[] = {
@@ -170,10 +169,8 @@ static void check(const dem_definition *def, size_t chunk, long steps, const dem
             scale_grain(u, &p);
             if (part == 1 && extra) CHECK_OK(dem_add(other[k], &p, NULL));
             CHECK_OK(dem_run(other[k], steps));
-            CU_ASSERT(same_states(u, sim, other[k]));
-            CU_ASSERT(same_contacts(u, sim, other[k]));
-            CU_ASSERT(same_energies(u, sim, other[k]));
-            CU_ASSERT(same_work(u, sim, other[k]));
+            CU_ASSERT(same_states(u, sim, other[k]) && same_contacts(u, sim, other[k]));
+            CU_ASSERT(same_energies(u, sim, other[k]) && same_work(u, sim, other[k]));
         }
     }
     CU_ASSERT(touched);

@@ -45,8 +45,7 @@ typedef struct {
     bool grown;
 } series;
 
-/* Add one distance to the fit, within the linear regime: from ten times the first distance to 1e-3 diameters.
- */
+/* Add a distance to the fit, in the linear regime: from ten times the first distance to 1e-3 diameters. */
 static void note(series *s, double t, double d, double first)
 {
     s->grown |= d > 1e-3;
@@ -92,8 +91,7 @@ static growth avalanche(long N, double W, double dt, double shift, long stream, 
     return g;
 }
 
-/* A clone without a shift stays identical; small shifts grow in proportion, until they reach the size of a
- * grain. */
+/* A clone without a shift stays identical; small shifts grow in proportion, up to the size of a grain. */
 static void round_off_grows(void)
 {
     const growth none = avalanche(60, 1.6, 5e-5, 0.0, 0, NULL),
@@ -103,8 +101,7 @@ static void round_off_grows(void)
     /* in the linear regime, a hundred times the shift is a hundred times the distance; the shift is rounded
      * by 1e-16, and the rounding of a step adds as much */
     CHECK_NEAR(large.tenth / small.tenth, 100.0, 1.0);
-    CU_ASSERT(small.rate > 50.0 && small.rate < 1000.0);
-    CU_ASSERT(small.last > 1e6 * small.first);
+    CU_ASSERT(small.rate > 50.0 && small.rate < 1000.0 && small.last > 1e6 * small.first);
 }
 
 static void growth_rate(void)

@@ -131,8 +131,7 @@ static void bounce(void)
                      fmod(0.381 + 0.6180339887 * i, 1.0));
 }
 
-/* Run until net forces and dashpot forces, gamma m v each, are at most `most` everywhere; returns their
- * largest sum. */
+/* Run until net forces and dashpot forces, gamma m v each, are at most `most`; returns their largest sum. */
 static double settle(dem_sim *sim, double gamma, double most)
 {
     dem_state s[MOST];

@@ -115,8 +115,7 @@ typedef struct {
     rp_status status;
 } outcome;
 
-/* Two grains, the first at rest, the second approaching at speed v along x; until they separate, or `most`
- * steps. */
+/* Two grains, the second approaching the first at speed v along x; until they separate, or `most` steps. */
 static outcome collide(dem_definition *def, dem_grain grains[2], double v, double steps, long most)
 {
     grains[1].x = grains[0].x + grains[0].r + grains[1].r;
@@ -313,8 +312,7 @@ static void single_grains(void)
                 const double t = (double)steps * def.dt;
                 const double x = 1.0 + speeds[v] * t + 0.5 * gravities[g][0] * t * t,
                              y = 2.0 - speeds[v] * t + 0.5 * gravities[g][1] * t * t;
-                /* each step rounds a position and a velocity times dt: a few times 2^-53 of the largest value
-                 */
+                /* a step rounds a position and a velocity times dt: a few times 2^-53 of the largest value */
                 number("single grain", hypot(s.x - x, s.y - y), 0.0, 2.0 + fabs(x) + fabs(y),
                        4.0 * (double)steps * 0x1p-53);
             }
@@ -663,8 +661,7 @@ static void hard_collisions(void)
 
 /* ---- Theory */
 
-/* Slopes from 0 to the full triangle: the base carries the counted weight of all disks, and both methods of
- * solution agree. */
+/* Slopes from 0 to the full triangle: the base carries the weight of all disks, and both methods agree. */
 static void lattices(void)
 {
     const double deg = M_PI / 180.0;
@@ -818,8 +815,7 @@ static void soft_piles(void)
             }
 }
 
-/* Boxes from flat to tall, with one layer, one column and one grain: a result for all grains, or the reason
- * for its absence. */
+/* Boxes from flat to tall, of one layer, column or grain: a result for all grains, or why there is none. */
 static void box_shapes(void)
 {
     const struct {

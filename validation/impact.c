@@ -334,8 +334,7 @@ static void single_impacts(void)
                 "v = 0");
 }
 
-/* The range of damping from light to over-damped, with and without attractive forces, as a table for the
- * figure. */
+/* Damping from light to over-damped, with and without attractive forces, as a table for the figure. */
 static void damping_range(void)
 {
     for (int law = DEM_HERTZ; law <= DEM_LINEAR; law++) {

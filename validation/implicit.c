@@ -110,8 +110,7 @@ static void energy_is_kept(void)
     check_table_close(out, "implicit_drift");
 }
 
-/* A disk on the spring of the floor oscillates more slowly than the exact solution: omega_eff = (2/dt)
- * atan(omega dt/2). */
+/* A disk on the floor oscillates more slowly than the exact solution: omega_eff = (2/dt) atan(omega dt/2). */
 static void phase(void)
 {
     const double omega = sqrt(K), A = 0.6 / K;

@@ -31,8 +31,7 @@ static double radians(double degrees)
     return degrees * (M_PI / 180.0);
 }
 
-/* Hard collision of two unequal spinning grains, or of one with a wall below, with slip v_s and without
- * gravity. */
+/* Hard collision of two unequal spinning grains, or of one with a wall below, slip v_s, no gravity. */
 static void check_hard(bool pair, int shape, double e, double mu, double ratio)
 {
     const double r = 0.1193, m = 0.00471, r2 = 0.0871, m2 = 0.00297, v_n = 13.0, v_s = ratio * v_n, dt = 1e-7;
@@ -173,8 +172,7 @@ static void tents(void)
     }
 }
 
-/* T/N of the forces along the two rays: proportional to the chords, in the balanced form also to the widths
- * of the beams. */
+/* T/N of the forces along the two rays: proportional to the chords, balanced, also to the widths of beams. */
 static double needed(int form, double theta_r, double theta, double P)
 {
     const double a = P - theta, b = P + theta, t = tan(theta_r);

@@ -148,8 +148,7 @@ static dem_definition flight(const law *p, int integrator, double dt, double pha
     return def;
 }
 
-/* Error of velocity over V_N, of position over V_N times the contact time, of energy over the initial energy.
- */
+/* Error of velocity over V_N, of position over V_N times the contact time, of energy over the initial one. */
 typedef struct {
     double of[N_ERRORS];
 } errors;

@@ -40,8 +40,7 @@ static void add(outcomes *o, const char *problem, const char *method, double set
     CU_ASSERT(isfinite(error));
 }
 
-/* The Pareto front of a problem: outcomes that no other outcome beats in error or time without being worse in
- * the other. */
+/* The Pareto front: outcomes that no other beats in error or time without being worse in the other. */
 static void mark_front(outcomes *o)
 {
     for (size_t i = o->front_from; i < o->n; i++) {
@@ -524,8 +523,7 @@ static void static_piles(void)
     write_outcomes(&o, "precision_pile", "net_force", "m*g", "m*g");
 }
 
-/* No outcome that is both slower (or as fast) and less accurate is on the front; each problem has its own
- * front. */
+/* No outcome that is both slower (or as fast) and less accurate is on the front of its problem. */
 static void fronts(void)
 {
     static const double error[] = {1.0, 0.1, 0.2, 0.2, 0.01, 5.0}, seconds[] = {1.0, 3.0, 4.0, 2.0, 3.0, 9.0};

@@ -108,8 +108,7 @@ static gsl_odeiv2_driver *reference(const gsl_odeiv2_system *system, double leng
     return driver;
 }
 
-/* A sphere dropped from a height of 0.5 m: position and velocity every 5 ms, and (DEM02) heights of its
- * bounces. */
+/* A sphere dropped from a height of 0.5 m: position and velocity every 5 ms, (DEM02) heights of bounces. */
 static vertical dropped(double k, double e)
 {
     vertical p = {.n = 1, .k = k, .r = 0.1, .m = {sphere_mass(2600.0, 0.1)}};
@@ -335,8 +334,7 @@ static void run_material(strike *p)
     rp_units_set(RP_CGS);
 }
 
-/* DEM05: aluminium oxide on glass at 3.9 m/s, linear springs. Chung & Ooi's oxide is the same, by E and nu.
- */
+/* DEM05: aluminium oxide on glass at 3.9 m/s, linear springs. Chung & Ooi's oxide is the same by E and nu. */
 static const double SPEED = 3.9, OXIDE_R = 2.5e-3, MU = 0.092, OXIDE_K = 1.72e7, OXIDE_K_S = 1.48e7;
 
 static strike oxide(double degrees)
@@ -491,8 +489,7 @@ static void chung_ooi_3_restitution(void)
 
 static const double ROUND = 1e-9; /* of sums over the steps of an impact */
 
-/* An impact that slides throughout: the tangential impulse is mu (1 + e) m_eff v_n, here over the sphere's
- * mass. */
+/* An impact that slides throughout: the tangential impulse is mu (1 + e) m_eff v_n, over its mass. */
 static double slide(strike *p)
 {
     run_material(p);

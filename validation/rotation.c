@@ -218,8 +218,7 @@ static dem_material resisting(double mu_roll)
     return c;
 }
 
-/* The couple mu_roll m g r stops a rolling grain at the deceleration b mu_roll g r/(b^2 + q r^2); it stays at
- * rest. */
+/* The couple mu_roll m g r stops a rolling grain at the rate b mu_roll g r/(b^2 + q r^2), and it stays. */
 static void rolling_stops(void)
 {
     const double mu_roll = 0.05, v0 = 10.0;

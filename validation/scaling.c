@@ -152,8 +152,7 @@ static row measure(double alpha_deg, long k, double eps, double well)
     return made;
 }
 
-/* Alpha = 30 and 60 degrees, from 360 to 250 000 disks; the exponents are fitted to the larger half of the
- * sizes. */
+/* Alpha = 30 and 60 degrees, from 360 to 250 000 disks; exponents are fitted to the larger half of sizes. */
 static void table_of_sizes(void)
 {
     static const double alpha_deg[SHAPES] = {30, 60};

@@ -142,8 +142,7 @@ static void add_element(gsl_matrix *A, double w, const size_t at[6], const doubl
                 gsl_matrix_set(A, at[i], at[j], gsl_matrix_get(A, at[i], at[j]) + w * b[i] * b[j]);
 }
 
-/* K and C of all contacts, weighted by the masses; a row of grains moves only along the row, so that it can't
- * buckle. */
+/* K and C of all contacts, weighted by the masses; a row of grains moves along the row alone: no buckling. */
 static modes linearise(const scene *s, const stability_case *c, const dem_sim *sim)
 {
     const bool line = c->system == PAIR || c->system == WALL || c->system == LOADED;

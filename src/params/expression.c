@@ -245,7 +245,7 @@ static bool is_known(const x_reader *r, size_t start)
 /* Add a step to a part; fold it where its operands are known. */
 static rp_status add(x_reader *r, x_part *part, rp_x_step step)
 {
-    double v[3] = {0.0, 0.0, 0.0};
+    double v[3] = {0};
     const int takes = kinds[step.kind].takes;
     const bool pure =
         step.kind != X_NAME && step.kind != X_KNOWN && step.kind != X_HELD && step.kind != X_CHANGE;

@@ -99,7 +99,7 @@ static rp_status fill_cells(sample *s)
  */
 static stats_contrast contrast_of(const sample *s, size_t first, size_t last, size_t step)
 {
-    stats_contrast r = {0.0, 0.0, 0.0};
+    stats_contrast r = {0};
     if (s->of->pile) {
         stats_summary stats;
         for (size_t k = 0; k < s->n_piles; k++) {

@@ -48,7 +48,7 @@ static bool meets(const char *cell, const rp_condition *c)
 static size_t extreme_row(const rp_table *t, int column, bool largest)
 {
     size_t found = t->n_rows;
-    double value = NAN, most = 0.0;
+    double value = NAN, most = NAN;
     for (size_t row = 0; row < t->n_rows; row++)
         if (rp_text_number(t->cells[row * t->n_columns + (size_t)column], &value) && isfinite(value) &&
             (found == t->n_rows || (largest ? value > most : value < most)))

@@ -1,5 +1,4 @@
-/* Targets of the fuzzer; see targets.h. The environment variable FUZZ names the target of a libFuzzer build.
- */
+/* Targets of the fuzzer; see targets.h. The variable FUZZ names the target of a libFuzzer build. */
 #include "tests/fuzz/targets.h"
 
 #include <fcntl.h>
@@ -136,8 +135,7 @@ static void change_bytes(size_t size, char bytes[], size_t n, const char text[])
     }
 }
 
-/* A value of any parameter: what is accepted is written, and reads back as the same. The first bytes choose.
- */
+/* A value of any parameter: accepted, it is written and reads back the same. The first bytes choose. */
 static void read_param(size_t n, const char text[])
 {
     _Alignas(max_align_t) char values[4096];

@@ -22,10 +22,12 @@
 
 #define TYPE     "(double|size_t|long|int|bool|char|num|lanes|[a-z]+_[a-z_]+)"
 #define DECLARES "^([a-z]| *(static |const )*" TYPE " [*]?(const )?[][A-Za-z0-9_, ]+\\[)"
-#define HELP     "^ *\".*[\\]n\"" /* a line of a command's help */
+/* a line of a command's help */
+#define HELP "^ *\".*[\\]n\"|^ *([.][a-z]+ = )?\".* (a|of|the|with|and|or|is|are|in|by|needs) "
 #define LEAVE                                                                                                \
-    "alloc\\(|cli_memory\\(|no_memory\\(|RP_NO_MEMORY|static_assert|if \\((![a-z_>-]+ \\|\\| "               \
-    ")+![a-z_>-]+\\)"
+    "alloc\\(|_memory\\(|RP_NEW\\(|no_memory\\(|(capacity|room) = |[+][+]\\) "                               \
+    "[a-z_]*free[a-z_]*\\(|madvise\\(|RP_NO_MEMORY|static_assert|"                                           \
+    "if \\((![a-z_>-]+ \\|\\| )+![a-z_>-]+\\)"
 
 typedef struct {
     char *file, *original, *mutant;
@@ -129,7 +131,8 @@ static void change_operator(size_t from, size_t len)
 
 static void end_early(size_t from, size_t len)
 {
-    offer("index", from + len - 3, 3, " + 1 < ");
+    if (strncmp(at_line.code + from, "used", 4) != 0) /* of a text's memory */
+        offer("index", from + len - 3, 3, " + 1 < ");
 }
 
 static void start_late(size_t from, size_t len)

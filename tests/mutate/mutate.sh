@@ -32,14 +32,15 @@ files='analytic/*.c src/angle/*.c src/core/sparse.c src/core/elementary.c src/st
     validation/cases.c validation/oblique.c validation/solved_pile.c'
 
 suites_of() {
+    case $1 in src/* | sweeps/*) echo scene experiment golden ;; esac # what all of it ends in
     case $1 in
     analytic/*) echo property analytic ;;
-    src/angle/*) echo property angle view tables ;;
+    src/angle/*) echo property angle view tables cli ;;
     src/stats/ensemble.c | src/stats/series.c) echo trend angle notes flux ;;
     report/verdict.c) echo claims ;;
     src/stats/lines.c | src/stats/trend.c) echo trend evidence calibrate_text tables angle ;;
     src/stats/identify.c | src/stats/least.c) echo identify calibrate_text ;;
-    src/experiment/*) echo expression experiment actions columns repose flux drop stress sweep ;;
+    src/experiment/*) echo expression experiment actions columns repose flux drop stress sweep snapshot ;;
     src/core/elementary.c) echo core expression golden ;;
     src/dem/change.c) echo actions experiment ;;
     src/params/expression.c | src/params/lets.c) echo expression experiment ;;
@@ -49,7 +50,7 @@ suites_of() {
     src/statics/*) echo property piles equilibrium ;;
     src/dem/scene/fill.c | src/dem/scene/radii.c) echo fills scene golden experiment ;;
     src/dem/scene/output.c) echo core tables scene keys evidence sweep cli ;;
-    src/dem/scene/*) echo walls scene tables keys notes cli ;;
+    src/dem/scene/*) echo walls scene material fills tables keys notes cli ;;
     src/dem/setup/physics.c | src/dem/setup/check.c) echo scene dem laws walls keys units hard motion soft tables sweep ;;
     src/core/* | src/params/* | src/table/table.c) echo core tables scene keys evidence sweep cli ;;
     src/table/columns.c | src/table/where.c) echo core columns calibrate_text tables evidence options cli ;;
@@ -57,12 +58,13 @@ suites_of() {
     report/pages.c) echo help evidence claims cli ;;
     src/cli/commands/view.c | src/view/*) echo view help options ;;
     src/cli/commands/help.c) echo help install ;;
-    src/cli/commands/params.c) echo help options ;;
+    src/cli/commands/params.c) echo help options experiment ;;
     src/cli/closing.c | src/cli/progress.c) echo view snapshot ;;
-    src/cli/unfinished.c | src/cli/folder.c) echo snapshot cli ;;
+    src/cli/unfinished.c | src/cli/folder.c) echo snapshot cli folders ;;
     src/cli/options.c | src/cli/command.c) echo help notes evidence options tables columns claims cli ;;
+    src/cli/commands/shards.c | src/cli/commands/sweep.c) echo cli folders sweep notes tables ;;
     src/cli/commands/calibrate.c) echo calibrate_text options ;;
-    src/cli/commands/run.c) echo view tables options snapshot cli ;;
+    src/cli/commands/run.c) echo view tables options snapshot cli folders ;;
     src/cli/commands/pile.c) echo notes equilibrium tables options cli ;;
     report/*) echo evidence claims options cli ;;
     src/cli/*) echo notes evidence options tables columns claims cli ;;
@@ -82,14 +84,14 @@ suites_of() {
     sweeps/engine/physics.c) echo golden keys sweep ;;
     sweeps/protocols/outline.c) echo golden piles equilibrium ;;
     sweeps/protocols/pile.c) echo piles golden ;;
-    sweeps/engine/*) echo sweep notes tables evidence cli ;;
+    sweeps/engine/*) echo sweep notes tables evidence cli power drill ;;
     src/dem/forces/walls.c | src/dem/forces/touch.c | src/dem/state/slots.c) echo units actions walls scene tables contacts incline rotation golden ledger ;;
-    *) echo units soft property rotation incline contacts published motion hard walls golden scene dem laws ;;
+    *) echo units soft property material sizes impact implicit rotation incline contacts published motion hard walls golden scene dem laws ;;
     esac
 }
 
 # Those suites, the quickest first; the times are in the folder $2.
-quickest() { for suite in $(suites_of "$1"); do grep -w "$suite" "$2/times"; done | sort -n | cut -d ' ' -f 2; }
+quickest() { for suite in $(suites_of "$1" | tr ' ' '\n' | sort -u); do grep -w "$suite" "$2/times"; done | sort -n | cut -d ' ' -f 2; }
 
 # Build and test the tree $1, beside that of the program as it is; prints the outcome and the test that saw it,
 # "broken" if the tree does not compile.

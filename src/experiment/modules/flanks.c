@@ -62,7 +62,7 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
     const flanks_params *p = params;
     const double ground = isfinite(s->lo[1]) ? s->lo[1] : 0.0;
     const ang_options options = {s->d, ANG_TOP, ANG_EMPTY_SKIP, ANG_PARABOLA_FREE};
-    double left = INFINITY, right = -INFINITY, top = -INFINITY, apex = 0.0, *x;
+    double left = INFINITY, right = -INFINITY, top = -INFINITY, apex = NAN, *x;
     RP_ENDS(ang_surface_free) ang_surface surface = {0};
     RP_SCOPE(memory);
     size_t column = 0;
