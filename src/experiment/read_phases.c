@@ -11,7 +11,8 @@
 #define IN(field) offsetof(exp_phase, field)
 const rp_param exp_phase_schema[] = {
     {"name", "", RP_TEXT, IN(name), NULL, "", "of the phase"},
-    {"least", "steps", RP_INT, IN(least), "0", "[0, 2147483647]", "before looks begin, and with them samples"},
+    {"least", "steps", RP_INT, IN(least), "0", "[0, 2147483647]",
+     "before looks begin, and with them samples"},
     {"every", "steps", RP_INT, IN(every), "500", "[1, 1000000000]", "from look to look"},
     {"most", "steps", RP_INT, IN(most), "2000000", "[1, 2147483647]", "of a phase that ends by until"},
     {"go_on", "", RP_BOOL, IN(go_on), "false", "", "whether the run goes on when these are used up"},
