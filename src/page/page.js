@@ -355,7 +355,7 @@ function show() {
   const angle = (m) => !Number.isFinite(f.theta[m]) || !begun() ? ['–', begun() ? 'none' : ''] : [number(f.theta[m], 1, '°'), Number.isFinite(f.error[m]) ? `± ${number(f.error[m])}°` : ''], theta = '<i class="v">θ</i>';
   if (type) ['first to last', 'straight line', 'parabola'].forEach((name, m) => row(`${key(m)}${theta}<sub>R</sub>, ${name}`, ...angle(m)));
   if (kind === 'drum') row(`${key(2)}slope, by the centre of mass`, number(Math.atan(-f.centre[0] / f.centre[1]) * 180 / Math.PI, 1, '°'));
-  if (kind === 'hopper') row('outflow, over 0.5 s', number(gone.length && f.n.t - gone[0].t > 0.1 ? (gone[0].grains - f.n.grains) / (f.n.t - gone[0].t) : NaN, 0), 'grains/s');
+  if (kind === 'hopper') row('outflow, over 0.5&nbsp;s', number(gone.length && f.n.t - gone[0].t > 0.1 ? (gone[0].grains - f.n.grains) / (f.n.t - gone[0].t) : NaN, 0), 'grains/s');
   row(`tilt`, number(heavy ? f.n.tilt + 0 : NaN, 1, '°'), '', true);
   if (type || theta_t > 0) row(`${theta}<sub>T</sub>, the pile moves`, number(theta_t, 1, '°'));
   if (type) row(`${theta}<sub>MS</sub> by eq. (3)`, number(Math.atan(3 * was.mu) * 180 / Math.PI, 1, '°'));
