@@ -22,11 +22,12 @@ static char *words;
 
 /* What is read at once; the page has the same list. Angles in degrees; NaN: none. */
 static struct {
-    double step, t, grains, links, walls, done, energy, at_rest, tilt, gravity[2], mu, weight;
+    double step, t, grains, links, walls, done, energy, at_rest, tilt, gravity[2], mu, mu_roll, k_n, weight,
+        dt, d;
     double theta[ANG_N_METHODS], error[ANG_N_METHODS], flank[2][ANG_N_METHODS];
     double columns, picture; /* of the surface, whose heights are the last of the picture; its address */
 } number;
-static const double degree = 180.0 / M_PI, d = 0.2; /* nominal diameter, as all built-in texts have it */
+static const double degree = 180.0 / M_PI;
 
 static void forget(experiment *e)
 {
@@ -42,7 +43,9 @@ static rp_status read_text(const char *bytes, const rp_texts *changes, experimen
     experiment *e = *made = calloc(1, sizeof *e);
     if (!e) return rp_fail(RP_NO_MEMORY, "text: out of memory");
     RP_TRY(dem_text_open("text", bytes, changes, &e->text));
-    if (!exp_has_phases(&e->text)) return rp_fail(RP_BAD_INPUT, "text: no phases; give it some");
+    if (!exp_has_phases(&e->text))
+        return rp_fail(RP_BAD_INPUT, "text: no phases: give it some instead of `steps`, as "
+                                     "phases = ( { name = \"fall\"; until = \"rest\"; } )");
     RP_TRY(exp_read(&e->text, &e->plan));
     return exp_check(e->plan);
 }
@@ -172,28 +175,35 @@ static void read_flanks(size_t n, const double x[], const double y[])
     }
 }
 
-static void read_numbers(const dem_sim *sim, size_t n, const dem_state *s)
+/* Forces are over the mean weight; without gravity over the mean force of a contact. */
+static void read_numbers(const dem_sim *sim, size_t n, const dem_state *s, size_t n_links,
+                         const dem_contact *c)
 {
+    const dem_definition *def = &exp_scene(now->plan)->def;
     double down[2];
     dem_rest rest = {0};
     memset(&number, 0, sizeof number);
     number.step = (double)exp_steps(now->run), number.t = dem_time(sim), number.grains = (double)n;
-    number.done = exp_done(now->run), number.mu = exp_scene(now->plan)->def.material.mu;
+    number.done = exp_done(now->run), number.dt = def->dt;
+    number.mu = def->material.mu, number.mu_roll = def->material.mu_roll, number.k_n = def->material.k_n;
+    if (rp_lets_constant(&now->text.lets, RP_LET_D, &number.d)) number.d = NAN;
     dem_gravity(sim, number.gravity);
     memcpy(down, number.gravity, sizeof down);
     dem_box_frame(sim, &down[0], &down[1]);
-    number.tilt = atan2(down[0], -down[1]) * degree;
-    for (size_t i = 0; i < n; i++) number.weight += s[i].m / (double)n * hypot(down[0], down[1]);
+    number.tilt = atan2(down[0], 0.0 - down[1]) * degree;
+    const double g = hypot(down[0], down[1]);
+    for (size_t i = 0; i < n; i++) number.weight += s[i].m / (double)n * g;
+    for (size_t k = 0; k < n_links && !(g > 0.0); k++) number.weight += c[k].normal_force / (double)n_links;
     if (!dem_rest_state(sim, -INFINITY, INFINITY, &rest))
-        number.energy = rest.kinetic_energy / (number.weight * d);
-    number.at_rest =
-        dem_at_rest(&rest, DEM_REST_ENERGY * number.weight * d, DEM_REST_FORCE * number.weight, true);
+        number.energy = rest.kinetic_energy / (number.weight * number.d);
+    number.at_rest = number.weight > 0.0 && dem_at_rest(&rest, DEM_REST_ENERGY * number.weight * number.d,
+                                                        DEM_REST_FORCE * number.weight, true);
     for (double *at = number.theta; at < &number.columns; at++) *at = NAN;
 }
 
 /* Read all that is seen. kind: 0, 1 slope between two ends in x, 2 flanks. The picture has of grains x, y, r,
  * load, angle; of contacts x, y, x, y, normal force; of walls point, direction, ends; heights of columns.
- * Loads and forces are over the mean weight; a grain's load is half of the sum over its contacts. */
+ * A grain's load is half of the sum over its contacts. */
 double *EXPORT(page_read)(int kind, double from, double to)
 {
     const dem_sim *sim = exp_sim(now->run);
@@ -205,7 +215,7 @@ double *EXPORT(page_read)(int kind, double from, double to)
     if (!s || !x || dem_states(sim, s) || dem_contacts(sim, &c, &n_links) ||
         !(load = calloc(n ? s[n - 1].id + 1 : 1, sizeof *load))) /* by ids, which rise */
         return NULL;
-    read_numbers(sim, n, s);
+    read_numbers(sim, n, s, n_links, c);
     static float *picture;
     float *p = picture = realloc(picture, (6 * n + 5 * n_links + 6 * n_walls + 65536) * sizeof *picture);
     for (size_t k = 0; k < n_links; k++) {

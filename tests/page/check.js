@@ -17,7 +17,8 @@ function check(good, what) {
 }
 function native(file) {
   const out = execFileSync(repose, ['run', file], { encoding: 'utf8', stdio: ['ignore', 'pipe', 'ignore'] });
-  return { digest: /^# digest: (\w+)/m.exec(out)[1], steps: +/^# steps: (\d+)/m.exec(out)[1] };
+  const is = (name) => +(RegExp(`^${name}\t(\\S+)`, 'm').exec(out) || [])[1];
+  return { digest: /^# digest: (\w+)/m.exec(out)[1], steps: +/^# steps: (\d+)/m.exec(out)[1], is };
 }
 
 async function main() {
@@ -57,12 +58,47 @@ async function main() {
   for (const kind of ['box', 'cylinder', 'hopper', 'drum', 'column', 'biaxial', 'crater']) {
     const text = fs.readFileSync(`examples/${kind}.cfg`, 'utf8');
     await value(`start(${JSON.stringify(text)}, '').then(() => { running = false; })`);
-    await value("ask('run', 1e9)");
+    await value("ask('run', 1e9).then(once).then(() => { tell(); })");
     const { digest } = await value("ask('state')"), n = native(`examples/${kind}.cfg`);
+    const [as, said, began] = await value('[kind, $("say").textContent, begun()]');
+    check(as === (await value(`!!$('${kind}.cfg')`) ? kind : 'other') && /has ended/.test(said) && (began || as === 'other'), `${kind}.cfg is taken for a ${as}, begun: ${began}; ${said}`);
+    if (kind === 'box') check(Math.abs(await value('frame.theta[2]') - n.is('theta_r3_deg')) < 1e-5 && await value('p.W === 4 && p.N === 400 && p.mu === 0.2'), 'theta_R and sliders of a text');
+    if (kind === 'drum') check(Math.abs(await value('map.box') + await value('map.ox - canvas.clientWidth / 2')) < 1, 'a drum is in the middle');
+    if (kind === 'biaxial') check(/tilt–/.test(await value('$("table").textContent')) && await value('map.c === 1 && frame.n.energy < 1'), `no gravity: ${await value('$("table").textContent')}`);
     check(n.digest === digest, `${kind}.cfg: ${digest} on the page, ${n.digest} by repose run`);
     const offered = await value(`$('${kind}.cfg')?.textContent ?? null`);
     check(offered === null || offered.trim() === text.trim(), `${kind}.cfg on the page differs from examples`);
   }
+
+  // Small grains in m, no grains, no phases: what fails must not end the page
+  await value(`start(${JSON.stringify(fs.readFileSync('examples/wedge.cfg', 'utf8'))}).then(() => { play(true); })`);
+  await until('frame.n.t > 0.01 && frame.n.grains === 3000');
+  check(/Phase .fill. of the text/.test(await say()) && await value('draw(), frame.n.dt > 0 && Math.abs(frame.n.d - 0.0069) < 0.001'), `wedge.cfg: ${await say()}`);
+  await value("one_by_one(() => { throw Error('of a test'); })");
+  await value(`start(${JSON.stringify(fs.readFileSync('examples/pile.cfg', 'utf8'))})`);
+  check(/phases = \(/.test(await say()), `no phases: ${await say()}`);
+  await value("start('dt = 5e-5; y_min = -1.0; fill = { N = 1; W = 1.0; H = 1.0; }; phases = ( { name = \"a\"; steps = 5000; } );').then(() => read(1, 9999)).then(() => tilt(1))");
+  check(await value('frame.n.grains === 0 && !(theta_t > 0)') && /no grain/.test(await say()), `no grains: ${await say()}`);
+
+  // Values that are refused, one right after another
+  await value("choose('box')");
+  await value(`for (const [id, v] of [['in-N', 3000], ['in-W', 2]]) { $(id).value = v; for (const e of ['input', 'change']) $(id).dispatchEvent(new Event(e)); }`);
+  await idle();
+  check(/bad: Dt = .*fewer grains/.test(await say()) && await value('frame.n.grains === 3000 && p.W === 5 && +$("in-W").value === 5 && /^Run/.test($("play").textContent)'), `a width that is refused: ${await say()}`);
+  await set('in-N', 50);
+  await set('in-W', 12);
+  check(!(await say()).startsWith('bad'), `few grains in a wide box: ${await say()}`);
+  await value("choose('drum')");
+  await set('in-omega', 0);
+  await set('in-N', 200);
+  check(/rate above 0/.test(await say()) && await value('p.N === 440'), `a drum that stands: ${await say()}`);
+
+  // Outflow, read at any pace as the program has it
+  await value("choose('hopper')");
+  await set('speed', '100');
+  await until('frame.n.done');
+  const flow = await value('Number.parseFloat([...$("table").rows].find((r) => /outflow/.test(r.textContent)).cells[1].textContent)');
+  check(Math.abs(flow - native('examples/hopper.cfg').is('rate')) < 150, `an outflow of ${flow} grains/s`);
 
   // The box with every control
   await value("choose('box')");
@@ -89,6 +125,7 @@ async function main() {
   let [x, y] = await spot(7.5, 3);
   await b.click(x, y);
   await until('/^name = "act[0-9]+"; add = { r = 0.1; x = [0-9]/.test(record.live.join())', 10000);
+  await idle();
   await value('play(false)');
   [x, y] = await value(`[${box[0]} + map.ox + map.k * frame.picture[0], ${box[1]} + map.oy - map.k * frame.picture[1]]`);
   await b.click(x, y);
@@ -99,23 +136,31 @@ async function main() {
   await press('right');
   await until('theta_t > 0', 90000);
   await until('$("table").textContent.includes(theta_t.toFixed(1))', 5000);
+  await set('speed', '0.1');
   await press('left');
-  await press('stop');
+  await set('in-k_n', 5.6);
+  check(await value('Number.isNaN(theta_t) && !tilting') && /The tilt was ended at/.test(await say()), `another act ends a tilt: ${await say()}`);
   await until('$("stop").disabled', 5000);
+  await pause(300);
+  const tilted = await value('frame.n.tilt');
+  await pause(300);
+  check(await value('frame.n.tilt') === tilted, 'gravity stands after an act');
+  await set('speed', '100');
   for (const [id, v] of [['show', 'lines'], ['turns', 'box']]) await set(id, v);
   for (const id of ['rays', 'slopes']) await press(id);
   await press('right');
   await pause(300);
   await press('stop');
   await set('in-mu', 0.4);
-  check(/tilt gravity instead/.test(await say()), `laws in a box that has turned: ${await say()}`);
+  check(/tilt gravity instead/.test(await say()) && await shows('of-mu') === 0.3 && await value('p.mu === 0.3 && +$("in-mu").value === 0.3'), `laws in a box that has turned: ${await say()}`);
+  check(await value('[0, 2 * p.W].every((x) => map.oy + map.k * map.st * x < canvas.clientHeight)'), 'the floor of a turned box is in view');
   for (const id of ['rays', 'slopes']) await press(id);
   await repeat('box, tilted', path.join(folder, 'tilted.cfg'));
   await set('turns', 'gravity');
   await set('show', 'load');
 
   // Keys
-  for (const [key, code, what] of [[' ', 32, 'running'], ['p', 80, 'running'], ['g', 71, 'record.live.length === 10'], ['ArrowRight', 39, 'tilting'], ['ArrowDown', 40, '!tilting'], ['r', 82, '!hand'], ['o', 79, 'begun()']]) {
+  for (const [key, code, what] of [[' ', 32, 'running'], ['p', 80, 'running'], ['g', 71, 'record.live.length === 10'], ['ArrowRight', 39, 'tilting || theta_t > 0'], ['ArrowDown', 40, '!tilting'], ['r', 82, '!hand'], ['o', 79, 'begun()']]) {
     await value('document.activeElement.blur()');
     await b.key(key, code);
     await idle();
