@@ -223,7 +223,7 @@ static void test_errors(void)
 /* ---- whole files, by hand ---- */
 
 /* Two frames, of which the second has lost a grain; contacts in the second alone, and walls that lean, with
- * and without ends. All numbers are exact in binary. */
+ * and without ends, and in the second two that are gone. All numbers are exact in binary. */
 static void write_small(void)
 {
     SHELL("mkdir d >out 2>err");
@@ -236,7 +236,8 @@ static void write_small(void)
                                  "10\t0.25\t3\t0\t2.5\t0.5\t2.25\t-0.5\t11\t4\n");
     write_text("d/walls.tsv", "step\tt\twall\tx\ty\tdirection_x\tdirection_y\tfrom\tto\n"
                               "0\t0\t1\t1\t2\t0.5\t1\t-inf\tinf\n0\t0\t2\t1\t2\t-0.5\t1\t-inf\tinf\n"
-                              "10\t0.25\t1\t1\t2\t0.5\t1\t-0.5\t2\n10\t0.25\t2\t1\t2\t-0.5\t1\t-inf\t0\n");
+                              "10\t0.25\t1\t1\t2\t0.5\t1\t-0.5\t2\n10\t0.25\t2\t1\t2\t-0.5\t1\t-inf\t0\n"
+                              "10\t0.25\t3\t1\t2\t0\t1\tinf\tinf\n10\t0.25\t4\t1\t2\t0\t1\t3\t3\n");
 }
 
 static void file_is(const char *name, const char *expected)
@@ -282,7 +283,8 @@ static void test_dump_files(void)
     static const char *const chosen[][3] = {
         {"omega,vy,vx,r,m", "radius:R:1:omega:R:1:velo:R:3:mass:R:1", "7 0.5 1 0 0.5 0.25 1 -1 0 2\n"},
         {"vx", "radius:R:1:velo:R:3", "7 0.5 1 0 0.5 1 -1 0\n"},
-        {"contacts,fy,m,fx", "radius:R:1:contacts:R:1:mass:R:1:force:R:3", "7 0.5 1 0 0.5 1 2 3 -4 0\n"},
+        {"fy", "radius:R:1:force:R:3", "7 0.5 1 0 0.5 3 -4 0\n"},
+        {"contacts,fy,m,fx", "radius:R:1:contacts:R:1:force:R:3:mass:R:1", "7 0.5 1 0 0.5 1 3 -4 0 2\n"},
         {"x,id,step,y,t", "radius:R:1", "7 0.5 1 0 0.5\n"}};
     for (size_t k = 0; k < sizeof chosen / sizeof *chosen; k++) {
         GOOD("export d --to xyz --columns %s --where id=7", chosen[k][0]);
@@ -686,14 +688,12 @@ static void test_refused(void)
         {"tangential.mu=infinite", "tangential.mu = infinite"},
         {"normal.gamma_n=0", "tangential.gamma_s = 30"},
         {"tangential.law=mindlin", "tangential.gamma_s = 30: LAMMPS damps shear"},
-        {"contacts_file=contacts.tsv", "contacts_file: springs"},
         {"x_max=5", "x_max: "},
         {"y_min=-5", "y_min: "},
         {"gravity_turn_deg_per_step=0.1", "gravity_turn_deg_per_step"},
         {"box_turn_deg_per_step=0.1", "box_turn_deg_per_step"}};
     write_grains("grains.tsv");
     write_same(0);
-    write_text("contacts.tsv", "# id_a\tid_b\twall\tshear_spring\n1\t2\t0\t0.01\n");
     for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
         FAILS(65, refused[i][1], "export spring.cfg --to lammps-input -o a.in --set %s", refused[i][0]);
     static const char *const walls[][2] = {
@@ -723,8 +723,13 @@ static void test_refused(void)
          "= 0.01; };",
          "ground: "},
         {WITH_GRAINS "integrator = \"implicit\";", "integrator: "},
+        {"particles_file = \"one.tsv\"; contacts_file = \"on.tsv\"; normal = { tension = false; };\n"
+         "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );",
+         "contacts_file: springs"},
         {"fill = { N = 30; W = 2.0; H = 8.0; };",
          "normal.law = \"hertz\": LAMMPS' k_n depends on the radii"}};
+    write_text("one.tsv", "id\tx\ty\tr\n1\t0\t0.1\t0.1\n");
+    write_text("on.tsv", "id_a id_b wall x_b y_b overlap shear_spring rolling_spring\n1 0 1 0 0 0 0.01 0\n");
     CHECK_REFUSED(scenes, "w.cfg", "export w.cfg --to lammps-input -o a.in");
     CU_ASSERT(shell("ls a.in a.data >out 2>err") != 0);
 }
