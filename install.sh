@@ -32,7 +32,8 @@ for header in $(grep -l '^RP_C_BEGIN' src/*/*.h src/*/*/*.h analytic/*.h sweeps/
 done
 
 # One archive, of which a program links what it uses: repose-MODULE.pc names the libraries of a module, repose.pc all.
-rm -f "$to/lib/librepose.a"
+# It has a name for each of them: of equal ones pkg-config keeps the last, which may stand after what it needs.
+rm -f "$to"/lib/librepose*.a
 {
     echo "create $to/lib/librepose.a"
     for module; do echo "addlib $build/lib${module%%=*}.a"; done
@@ -46,9 +47,10 @@ Name: $1
 Description: $2
 Version: $version
 Requires: $3
-Libs: -L\${libdir} -lrepose $4 -lm
+Libs: -L\${libdir} -l$1 $4 -lm
 Cflags: -I\${includedir}
 EOF
+    [ "$1" = repose ] || ln -s librepose.a "$to/lib/lib$1.a"
 }
 pc repose "forces in and angles of granular piles" "gsl nlopt libconfig sqlite3 libxxhash" -lcholmod
 pc repose-analytic "lattice, continuum and tent models of piles"

@@ -188,7 +188,15 @@ static void test_examples(void)
            "pile=statics; do " COMPILE
            "${e%=*}.c $(pkg-config --static --cflags --libs repose-${e#*=}) -o a || exit 1; done");
     PASSES("pkg-config --libs repose-analytic");
-    CU_ASSERT(strstr(out, "-lrepose -lm") && !strstr(out, "gsl") && !strstr(out, "cholmod"));
+    CU_ASSERT(strstr(out, "-lrepose-analytic -lm") && !strstr(out, "gsl") && !strstr(out, "cholmod"));
+    /* of several modules each finds its libraries after it, whatever their order */
+    write_text("both.c",
+               "#include <repose/angle.h>\n#include <repose/dem.h>\nint main(void)\n{\n    double m;\n"
+               "    dem_sim *s;\n    dem_definition d = dem_definition_default();\n"
+               "    return !dem_create(&d, &s) || ang_marginal(0.2, 1.0, &m, NULL);\n}\n");
+    PASSES("for m in 'dem repose-angle' 'angle repose-dem' 'angle repose-analytic repose-dem'; do ${CC:-gcc} "
+           "$SANITIZE "
+           "both.c $(pkg-config --cflags --libs repose-$m) -o both || exit 1; done");
 }
 
 /* ---- manual and completion ---- */

@@ -8,10 +8,12 @@
 
 static _Thread_local char message[4096];
 
-/* GSL's own handler ends the program; each caller of GSL here checks the returned status. */
+/* GSL's own handler ends the program; each caller of GSL here checks the returned status. A program of
+ * modules without GSL does not need it. */
+#pragma weak gsl_set_error_handler_off
 __attribute__((constructor)) static void switch_handler_off(void)
 {
-    gsl_set_error_handler_off();
+    if (gsl_set_error_handler_off) gsl_set_error_handler_off();
 }
 
 rp_status rp_fail(rp_status status, const char *format, ...)
