@@ -723,6 +723,8 @@ static void test_refused(void)
          "= 0.01; };",
          "ground: "},
         {WITH_GRAINS "integrator = \"implicit\";", "integrator: "},
+        {WITH_GRAINS "dt = 1e-6; material = { E = 1e7; nu = 0.3; restitution = 0.1; mu = 0.5; };",
+         "normal.gamma_n = 2.77"},
         {"particles_file = \"one.tsv\"; contacts_file = \"on.tsv\"; normal = { tension = false; };\n"
          "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );",
          "contacts_file: springs"},
