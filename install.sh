@@ -12,7 +12,9 @@ put() { # put MODE FOLDER FILE...
 
 put 755 bin "$build/repose"
 put 644 share/repose/python python/*.py
-put 644 share/doc/repose README.md LICENSE CITATION.cff docs/*.md
+put 644 share/doc/repose README.md LICENSE CITATION.cff CONTRIBUTING.md paper-repro.md
+put 644 share/doc/repose/docs docs/*
+put 644 share/doc/repose/figures/shown figures/shown/*.png
 for folder in sweeps/*/ examples/ examples/*/; do
     case $folder in
     sweeps/engine/ | *\*/) ;;
@@ -20,7 +22,9 @@ for folder in sweeps/*/ examples/ examples/*/; do
     *) put 644 "share/repose/$folder" $(find "$folder" -maxdepth 1 -type f) ;;
     esac
 done
-ln -sfn ../../repose/examples "$to/share/doc/repose/examples"
+for folder in examples sweeps python; do # links of the pages
+    ln -sfn ../../repose/$folder "$to/share/doc/repose/$folder"
+done
 install -d "$to/share/bash-completion/completions"
 "$build/repose" help --completion >"$to/share/bash-completion/completions/repose"
 
