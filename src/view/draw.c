@@ -225,7 +225,7 @@ static const char *unit_after(const char *unit, char text[100])
 static int power_of(double largest)
 {
     const double power = floor(log10(largest));
-    return power < -2.0 || power > 3.0 ? (int)power : 0;
+    return power < -1.0 || power > 2.0 ? (int)power : 0;
 }
 
 static int power_of_window(const view_scale *s)
