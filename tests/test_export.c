@@ -688,12 +688,18 @@ static void test_refused(void)
         {"tangential.mu=infinite", "tangential.mu = infinite"},
         {"normal.gamma_n=0", "tangential.gamma_s = 30"},
         {"tangential.law=mindlin", "tangential.gamma_s = 30: LAMMPS damps shear"},
+        {"particles_file=bed.tsv --set contacts_file=contacts.tsv", "contacts_file: springs"},
         {"x_max=5", "x_max: "},
         {"y_min=-5", "y_min: "},
         {"gravity_turn_deg_per_step=0.1", "gravity_turn_deg_per_step"},
         {"box_turn_deg_per_step=0.1", "box_turn_deg_per_step"}};
     write_grains("grains.tsv");
     write_same(0);
+    write_text("bed.tsv", "# id\tx\ty\tr\n1\t0\t0.5\t0.1\n2\t0.2\t0.5\t0.1\n");
+    write_text(
+        "contacts.tsv",
+        "# "
+        "id_a\tid_b\twall\tx_b\ty_b\toverlap\tshear_spring\trolling_spring\n1\t2\t0\t0.1\t0.5\t0\t0.01\t0\n");
     for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
         FAILS(65, refused[i][1], "export spring.cfg --to lammps-input -o a.in --set %s", refused[i][0]);
     static const char *const walls[][2] = {
@@ -725,13 +731,8 @@ static void test_refused(void)
         {WITH_GRAINS "integrator = \"implicit\";", "integrator: "},
         {WITH_GRAINS "dt = 1e-6; material = { E = 1e7; nu = 0.3; restitution = 0.1; mu = 0.5; };",
          "normal.gamma_n = 2.77"},
-        {"particles_file = \"one.tsv\"; contacts_file = \"on.tsv\"; normal = { tension = false; };\n"
-         "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );",
-         "contacts_file: springs"},
         {"fill = { N = 30; W = 2.0; H = 8.0; };",
          "normal.law = \"hertz\": LAMMPS' k_n depends on the radii"}};
-    write_text("one.tsv", "id\tx\ty\tr\n1\t0\t0.1\t0.1\n");
-    write_text("on.tsv", "id_a id_b wall x_b y_b overlap shear_spring rolling_spring\n1 0 1 0 0 0 0.01 0\n");
     CHECK_REFUSED(scenes, "w.cfg", "export w.cfg --to lammps-input -o a.in");
     CU_ASSERT(shell("ls a.in a.data >out 2>err") != 0);
 }

@@ -1,7 +1,6 @@
 /* Status codes and messages; see status.h. */
 #include "core/status.h"
 
-#include <gsl/gsl_errno.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -9,8 +8,9 @@
 static _Thread_local char message[4096];
 
 /* GSL's own handler ends the program; each caller of GSL here checks the returned status. A program of
- * modules without GSL does not need it. */
-#pragma weak gsl_set_error_handler_off
+ * modules without GSL need not link it. */
+__attribute__((weak)) void *gsl_set_error_handler_off(void);
+
 __attribute__((constructor)) static void switch_handler_off(void)
 {
     if (gsl_set_error_handler_off) gsl_set_error_handler_off();
