@@ -7,7 +7,7 @@ install: $(REPOSE) $(LIBRARY) ## program, library, headers, sweeps, completion: 
 	@sh install.sh $(B) $(TARGET) $(VERSION) $(foreach m,$(filter-out view=% export=%,$(MODULES)),$(call module,$(m)))
 	@echo "install $(TARGET)"
 uninstall: ## remove what `make install` put into PREFIX
-	@cd $(TARGET) && rm -rf bin/repose lib/librepose.a lib/pkgconfig/repose*.pc include/repose share/repose share/doc/repose \
+	@cd $(TARGET) && rm -rf bin/repose lib/librepose*.a lib/pkgconfig/repose*.pc include/repose share/repose share/doc/repose \
 	  share/man/man1/repose.1 share/man/man1/repose-*.1 share/bash-completion/completions/repose
 manual: $(REPOSE) ## the manual page build/repose.1, of what the program prints about itself; needs pandoc
 	@$(REPOSE) help --markdown | pandoc -s -f markdown-smart -t man -o $(B)/repose.1

@@ -12,7 +12,9 @@ put() { # put MODE FOLDER FILE...
 
 put 755 bin "$build/repose"
 put 644 share/repose/python python/*.py
-put 644 share/doc/repose README.md LICENSE CITATION.cff docs/*.md
+put 644 share/doc/repose README.md LICENSE CITATION.cff CONTRIBUTING.md paper-repro.md
+put 644 share/doc/repose/docs docs/*
+put 644 share/doc/repose/figures/shown figures/shown/*.png
 for folder in sweeps/*/ examples/ examples/*/; do
     case $folder in
     sweeps/engine/ | *\*/) ;;
@@ -20,7 +22,9 @@ for folder in sweeps/*/ examples/ examples/*/; do
     *) put 644 "share/repose/$folder" $(find "$folder" -maxdepth 1 -type f) ;;
     esac
 done
-ln -sfn ../../repose/examples "$to/share/doc/repose/examples"
+for folder in examples sweeps python; do # links of the pages
+    ln -sfn ../../repose/$folder "$to/share/doc/repose/$folder"
+done
 install -d "$to/share/bash-completion/completions"
 "$build/repose" help --completion >"$to/share/bash-completion/completions/repose"
 
@@ -32,7 +36,8 @@ for header in $(grep -l '^RP_C_BEGIN' src/*/*.h src/*/*/*.h analytic/*.h sweeps/
 done
 
 # One archive, of which a program links what it uses: repose-MODULE.pc names the libraries of a module, repose.pc all.
-rm -f "$to/lib/librepose.a"
+# It has a name for each of them: of equal ones pkg-config keeps the last, which may stand after what it needs.
+rm -f "$to"/lib/librepose*.a
 {
     echo "create $to/lib/librepose.a"
     for module; do echo "addlib $build/lib${module%%=*}.a"; done
@@ -46,9 +51,10 @@ Name: $1
 Description: $2
 Version: $version
 Requires: $3
-Libs: -L\${libdir} -lrepose $4 -lm
+Libs: -L\${libdir} -l$1 $4 -lm
 Cflags: -I\${includedir}
 EOF
+    [ "$1" = repose ] || ln -s librepose.a "$to/lib/lib$1.a"
 }
 pc repose "forces in and angles of granular piles" "gsl nlopt libconfig sqlite3 libxxhash" -lcholmod
 pc repose-analytic "lattice, continuum and tent models of piles"

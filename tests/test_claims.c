@@ -539,8 +539,7 @@ static void test_pools(void)
         const char *less = strstr(word(&t, side / 2, side % 2 ? "against" : "answer"), " less ");
         snprintf(text, sizeof text, "%s",
                  less ? less + 6 : word(&t, side / 2, side % 2 ? "against" : "answer"));
-        /* trends are weighted by their errors, bins are of the same piles, and a first set has another seed
-         */
+        /* trends are weighted by their errors, bins are of the same piles, a first set has another seed */
         if (!strstr(text, " + ") || strstr(text, "trend") || strstr(text, "rays_") || strstr(text, "/first "))
             continue;
         for (pools++; rest; cells++) {

@@ -342,6 +342,8 @@ static void cut_normal(void)
     }
     scoped_rng *r = numbers_of(7, 9);
     CU_ASSERT(rp_random_cut_normal(r, 0.1, 0.0, 0.07, 0.13) == 0.1);
+    CU_ASSERT(isnan(rp_random_cut_normal(r, 0.0, 1.0, 8.1, 9.0)) &&
+              isnan(rp_random_cut_normal(r, 0.0, 1.0, 1.0, 0.0)));
 }
 
 /* What pandas reads by read_csv(sep="\t", comment="#"): the lines without #. */

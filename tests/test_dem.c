@@ -946,8 +946,8 @@ static void bad_definitions(void)
         dem_contact c;
         const char *text;
     } wrong[] = {
-        {{.id_a = 0, .wall = -1}, "contact 1: of grain 0 with wall -1: there are 2 grains and 1 walls"},
-        {{.id_a = 1, .wall = 1}, "of grain 1 with wall 1"},
+        {{.id_a = 0, .wall = -1}, "contact 1: of grain 0 with wall 0: there are 2 grains and 1 walls"},
+        {{.id_a = 1, .wall = 1}, "of grain 1 with wall 2"},
         {{.id_a = 3, .id_b = 1}, "of grain 3 with grain 1"},
         {{.id_a = 1, .id_b = 3}, "of grain 1 with grain 3"},
         {{.id_a = 2, .id_b = 2}, "of grain 2 with grain 2"},
@@ -956,8 +956,8 @@ static void bad_definitions(void)
         REFUSES((bad.contacts = &wrong[k].c, bad.n_contacts = 1), wrong[k].text);
 #undef REFUSES
     CHECK_OK(dem_create(&def, &sim));
-    CHECK_FAILS(dem_wall_move(sim, 77, (double[]){1.0, 0.0}, 0.0), RP_BAD_INPUT, "wall 77: there are 1");
-    CHECK_FAILS(dem_wall_open(sim, 77, INF), RP_BAD_INPUT, "wall 77: there are 1");
+    CHECK_FAILS(dem_wall_move(sim, 77, (double[]){1.0, 0.0}, 0.0), RP_BAD_INPUT, "wall 78: there are 1");
+    CHECK_FAILS(dem_wall_open(sim, 77, INF), RP_BAD_INPUT, "wall 78: there are 1");
     CHECK_FAILS(dem_wall_open(sim, 0, NAN), RP_BAD_INPUT, "open_speed = nan");
     CHECK_FAILS(dem_gravity_set(sim, (double[]){NAN, 0.0}), RP_BAD_INPUT, "gravity = [nan, 0]");
     CHECK_FAILS(dem_gravity_turn(sim, INF), RP_BAD_INPUT, "turn of gravity = inf");
@@ -1046,13 +1046,16 @@ static void ranges_of_numbers(void)
         {&def.turn_per_step, -below, -1.0, "the turn below one radian"},
         {&def.box_turn_per_step, below, 1.0, "box_turn_per_step = "},
         {&def.box_turn_per_step, -below, -1.0, "box_turn_per_step = "},
+        {&def.x_min, -INF, NAN, "x_min = nan"},
+        {&def.x_max, INF, NAN, "x_max = nan"},
+        {&def.y_min, -INF, NAN, "y_min = nan"},
         {&w->velocity[0], 1e300, INF, "wall 2: velocity, omega and pivot must be finite"},
         {&w->velocity[1], 1e300, INF, "velocity, omega and pivot must be finite"},
         {&w->omega, 1.0, INF, "velocity, omega and pivot must be finite"},
         {&w->pivot[0], 1e300, INF, "velocity, omega and pivot must be finite"},
         {&w->pivot[1], 1e300, INF, "velocity, omega and pivot must be finite"},
-        {&w->point[0], 1e300, INF, "wall 2: direction"},
-        {&w->point[1], 1e300, INF, "wall 2: direction"},
+        {&w->point[0], 1e300, INF, "wall 2: point = ["},
+        {&w->point[1], 1e300, INF, "wall 2: point = ["},
         {&w->open_speed, 0.0, -tiny, "wall 2: open_speed"},
         {&w->direction[0], 4e-5, 5e-5, "wall 2: direction"},
         {&w->direction[1], 1.0 + 9e-10, 1.0 + 1.1e-9, "wall 2: direction"},

@@ -223,7 +223,7 @@ static void test_errors(void)
 /* ---- whole files, by hand ---- */
 
 /* Two frames, of which the second has lost a grain; contacts in the second alone, and walls that lean, with
- * and without ends. All numbers are exact in binary. */
+ * and without ends, and in the second two that are gone. All numbers are exact in binary. */
 static void write_small(void)
 {
     SHELL("mkdir d >out 2>err");
@@ -236,7 +236,8 @@ static void write_small(void)
                                  "10\t0.25\t3\t0\t2.5\t0.5\t2.25\t-0.5\t11\t4\n");
     write_text("d/walls.tsv", "step\tt\twall\tx\ty\tdirection_x\tdirection_y\tfrom\tto\n"
                               "0\t0\t1\t1\t2\t0.5\t1\t-inf\tinf\n0\t0\t2\t1\t2\t-0.5\t1\t-inf\tinf\n"
-                              "10\t0.25\t1\t1\t2\t0.5\t1\t-0.5\t2\n10\t0.25\t2\t1\t2\t-0.5\t1\t-inf\t0\n");
+                              "10\t0.25\t1\t1\t2\t0.5\t1\t-0.5\t2\n10\t0.25\t2\t1\t2\t-0.5\t1\t-inf\t0\n"
+                              "10\t0.25\t3\t1\t2\t0\t1\tinf\tinf\n10\t0.25\t4\t1\t2\t0\t1\t3\t3\n");
 }
 
 static void file_is(const char *name, const char *expected)
@@ -282,7 +283,8 @@ static void test_dump_files(void)
     static const char *const chosen[][3] = {
         {"omega,vy,vx,r,m", "radius:R:1:omega:R:1:velo:R:3:mass:R:1", "7 0.5 1 0 0.5 0.25 1 -1 0 2\n"},
         {"vx", "radius:R:1:velo:R:3", "7 0.5 1 0 0.5 1 -1 0\n"},
-        {"contacts,fy,m,fx", "radius:R:1:contacts:R:1:mass:R:1:force:R:3", "7 0.5 1 0 0.5 1 2 3 -4 0\n"},
+        {"fy", "radius:R:1:force:R:3", "7 0.5 1 0 0.5 3 -4 0\n"},
+        {"contacts,fy,m,fx", "radius:R:1:contacts:R:1:force:R:3:mass:R:1", "7 0.5 1 0 0.5 1 3 -4 0 2\n"},
         {"x,id,step,y,t", "radius:R:1", "7 0.5 1 0 0.5\n"}};
     for (size_t k = 0; k < sizeof chosen / sizeof *chosen; k++) {
         GOOD("export d --to xyz --columns %s --where id=7", chosen[k][0]);
@@ -723,6 +725,8 @@ static void test_refused(void)
          "= 0.01; };",
          "ground: "},
         {WITH_GRAINS "integrator = \"implicit\";", "integrator: "},
+        {WITH_GRAINS "dt = 1e-6; material = { E = 1e7; nu = 0.3; restitution = 0.1; mu = 0.5; };",
+         "normal.gamma_n = 2.77"},
         {"fill = { N = 30; W = 2.0; H = 8.0; };",
          "normal.law = \"hertz\": LAMMPS' k_n depends on the radii"}};
     CHECK_REFUSED(scenes, "w.cfg", "export w.cfg --to lammps-input -o a.in");

@@ -238,6 +238,12 @@ static void test_statuses(void)
     CHECK_FAILS(stats_identify(&q, &a), RP_BAD_INPUT, "the first stage needs 24 runs");
     q.budget = 400, q.hi[0] = 0.0;
     CHECK_FAILS(stats_identify(&q, &a), RP_BAD_INPUT, "range of name 1");
+    q.error[0] = 0.0;
+    CHECK_FAILS(stats_identify(&q, &a), RP_BAD_INPUT, "standard error 0");
+    q.value[0] = NAN;
+    CHECK_FAILS(stats_identify(&q, &a), RP_BAD_INPUT, "number 1: nan");
+    q.n_names = 0;
+    CHECK_FAILS(stats_identify(&q, &a), RP_BAD_INPUT, "0 names, 1 numbers");
     /* only what is allowed */
     scoped_stand_in t = {.n_names = 2, .n_numbers = 2, .scatter = {0.5, 0.5}};
     t.noise = rp_random_alloc(9, 1, RP_PURPOSE_TEST);
@@ -362,6 +368,11 @@ static void test_valleys(void)
         CHECK_OK(stats_least(&(stats_minimum){depth_in, &v, 3, lo, hi, 8, c % 2, NULL}, x, &value));
         CHECK_NEAR(value, 0.0, 1e-6);
     }
+    double x[3], value;
+    CHECK_FAILS(stats_least(&(stats_minimum){depth_in, NULL, 1, lo, hi, 0, false, NULL}, x, &value),
+                RP_BAD_INPUT, "1 dimensions, 0 cells");
+    CHECK_FAILS(stats_least(&(stats_minimum){depth_in, NULL, 4, lo, hi, 8, false, NULL}, x, &value),
+                RP_BAD_INPUT, "4 dimensions");
 }
 
 CHECK_SUITE(identify, "identify", test_valleys, test_one, test_two, test_three, test_arch, test_degenerate,

@@ -71,6 +71,9 @@ static void test_data(void)
     PASSES("$PREFIX/bin/repose run examples/pile.cfg --set steps=10 --quiet | grep -q '^10'");
     PASSES("$PREFIX/bin/repose angle slope examples/outline.csv --y-axis down");
     PASSES("test -f $PREFIX/share/doc/repose/examples/pile.cfg"); /* a link */
+    PASSES("cd $PREFIX/share/doc/repose && for f in *.md docs/*.md; do grep -oE '\\]\\([^):#]+[)#]' $f | sed "
+           "'s/..//; s/.$//' | while read l; do test -e ${f%${f##*/}}$l || echo $f: $l; done; done");
+    CU_ASSERT_STRING_EQUAL(out, ""); /* the pages' links hold */
     /* nothing of the report, no table of results */
     PASSES("ls $PREFIX/bin $PREFIX/share/repose | tr '\\n' ' '");
     CHECK_PARTS(out, "/bin: repose  ", "/share/repose: examples python sweeps ");
@@ -141,14 +144,16 @@ static void test_headers(void)
     } else {
         PASSES("g++ -std=c++17 -Wall -Wextra -Wpedantic -Werror -fsyntax-only $(pkg-config --cflags repose) "
                "*.h.cpp");
-        write_text("all.cpp",
-                   "#include <repose/analytic.h>\n#include <repose/protocols.h>\n#include <repose/angle.h>\n"
-                   "#include <repose/scene.h>\n#include <repose/equilibrium.h>\n"
-                   "int main()\n{\n    an_force f;\n    dem_definition d = dem_definition_default();\n"
-                   "    statics_definition s = statics_definition_default();\n"
-                   "    sweep_counts c;\n    ang_surface a{};\n    ang_surface_free(&a);\n"
-                   "    return an_continuum(0.5, 0.5, &f) || d.n_grains || s.n || \n"
-                   "           !sweep_status(\"nowhere\", sweep_protocols, &c) || !*rp_message();\n}\n");
+        write_text(
+            "all.cpp",
+            "#include <repose/analytic.h>\n#include <repose/protocols.h>\n#include <repose/angle.h>\n"
+            "#include <repose/scene.h>\n#include <repose/equilibrium.h>\n"
+            "rp_status numbers(rp_arena *a, double **x)\n{\n    RP_NEW(a, *x, 7);\n    return RP_OK;\n}\n"
+            "int main()\n{\n    an_force f;\n    dem_definition d = dem_definition_default();\n"
+            "    statics_definition s = statics_definition_default();\n"
+            "    sweep_counts c;\n    ang_surface a{};\n    ang_surface_free(&a);\n"
+            "    return an_continuum(0.5, 0.5, &f) || d.n_grains || s.n || \n"
+            "           !sweep_status(\"nowhere\", sweep_protocols, &c) || !*rp_message();\n}\n");
         PASSES("g++ -std=c++17 $SANITIZE all.cpp $(pkg-config --cflags --libs repose) -o all && ./all");
     }
 }
@@ -186,7 +191,15 @@ static void test_examples(void)
            "pile=statics; do " COMPILE
            "${e%=*}.c $(pkg-config --static --cflags --libs repose-${e#*=}) -o a || exit 1; done");
     PASSES("pkg-config --libs repose-analytic");
-    CU_ASSERT(strstr(out, "-lrepose -lm") && !strstr(out, "gsl") && !strstr(out, "cholmod"));
+    CU_ASSERT(strstr(out, "-lrepose-analytic -lm") && !strstr(out, "gsl") && !strstr(out, "cholmod"));
+    /* of several modules each finds its libraries after it, whatever their order */
+    write_text("both.c",
+               "#include <repose/angle.h>\n#include <repose/dem.h>\nint main(void)\n{\n    double m;\n"
+               "    dem_sim *s;\n    dem_definition d = dem_definition_default();\n"
+               "    return !dem_create(&d, &s) || ang_marginal(0.2, 1.0, &m, NULL);\n}\n");
+    PASSES("for m in 'dem repose-angle' 'angle repose-dem' 'angle repose-analytic repose-dem'; do ${CC:-gcc} "
+           "$SANITIZE "
+           "both.c $(pkg-config --cflags --libs repose-$m) -o both || exit 1; done");
 }
 
 /* ---- manual and completion ---- */

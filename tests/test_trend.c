@@ -288,6 +288,14 @@ static void test_correlation(void)
     CU_ASSERT(isnan(c.value) && isnan(c.se) && isnan(c.lo) && isnan(c.hi));
     CHECK_FAILS(stats_correlate(4, (double[]){1.0, NAN, 2.0, 3.0}, y, &c), RP_BAD_INPUT, "value 2");
     CHECK_FAILS(stats_correlate(4, x, (double[]){1.0, 2.0, NAN, 3.0}, &c), RP_BAD_INPUT, "value 3");
+    double found[4], covariance[16];
+    stats_linear fit = {
+        .n = 1, .p = 2, .X = x, .y = y, .tolerance = 1e-12, .c = found, .covariance = covariance};
+    CHECK_FAILS(stats_linear_fit(&fit), RP_BAD_INPUT, "1 values, 2 columns");
+    fit.n = 4, fit.X = (double[]){1.0, 1.0, 1.0, 2.0, 1.0, NAN, 1.0, 3.0};
+    CHECK_FAILS(stats_linear_fit(&fit), RP_BAD_INPUT, "value 6");
+    fit.X = x, fit.tolerance = 0.0;
+    CHECK_FAILS(stats_linear_fit(&fit), RP_BAD_INPUT, "tolerance 0");
 }
 
 /* Planted: y = x + noise of the same spread has a correlation of 1/sqrt 2, which intervals of 95 % hold in as

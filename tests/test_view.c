@@ -317,6 +317,17 @@ static void write_press(double x, double x_b, double force)
     write_text("contacts.tsv", "x\ty\tx_b\ty_b\tforce\twall\n%g\t1.5\t%g\t0\t%g\t1\n", x, x_b, force);
 }
 
+/* Length of the largest cross's arm, cm, of a cell so wide in the picture of write_pile. */
+static double arm(double cell)
+{
+    return 0.9 * cell * 15.5 / (28.0 / 3.0);
+}
+
+static void key_is(double largest, double cell)
+{
+    CU_ASSERT(shell_line("grep -q 'principal stress %.4g[ <]' a.svg", largest * 1.6 / arm(cell)) == 0);
+}
+
 /* One force of 12 N along y through a cell of 3 m times 3 m: the stress is 12 N * 1.5 m / 9 m^2 along y and
  * none along x, and the pressure on the base 12 N / 3 m. */
 static void test_stress(void)
@@ -328,25 +339,28 @@ static void test_stress(void)
     CU_ASSERT(count_strokes(PRESS) == 2); /* with the key's */
     size_t upright = 0;
     for (size_t k = 0; k < n_strokes; k++) {
-        if (strcmp(strokes[k].color, PRESS) != 0 || strokes[k].y == strokes[k].y2) continue;
         const mark *m = &strokes[k];
+        if (strcmp(m->color, PRESS) == 0 && m->y == m->y2) /* the key's is of the number beside it */
+            CHECK_PAIRS(0.1, {fabs(m->x2 - m->x), 1.6 * 37.8}, {1.6 * 2.0 / arm(3.0), 0.7137});
+        if (strcmp(m->color, PRESS) != 0 || m->y == m->y2) continue;
         const double scale = (circles[1].x - circles[0].x) / 2.5;
-        /* in the cell's middle: x from 2 to 5 m, y from 0 to 3 m */
+        /* in the middle of the force, within the cell: x from 2 to 5 m, y from 0 to 3 m */
         CHECK_PAIRS(0.02, {m->x, m->x2}, {fabs(m->y2 - m->y), 0.9 * 3.0 * scale},
-                    {m->x - circles[0].x, 3.5 * scale}, {0.5 * (m->y + m->y2) - circles[0].y, -0.5 * scale});
+                    {m->x - circles[0].x, 3.5 * scale}, {0.5 * (m->y + m->y2) - circles[0].y, 0.25 * scale});
         upright++;
     }
     CU_ASSERT(upright == 1);
     /* the pressure's axis ends above 4, not above 12 */
     SHELL("grep -q '> 4<' a.svg && ! grep -q '> 10<' a.svg");
-    SHELL("grep -q 'principal stress, largest 2 ' a.svg && grep -q '>pressure' a.svg");
+    key_is(2.0, 3.0);
+    SHELL("grep -q '>pressure' a.svg");
     SHELL("grep -c 'fill = .rgb(158, 202, 225)' a.svg | grep -qx 1");
     /* marks of the pressure from 0 at steps of 1, 2 or 5 times a power of ten, four or so; the axis ends at
      * 1.08 times the largest. The bar over x = 2 to 5 m is as high as the pressure. */
     static const struct {
         double force, step;
         int n;
-    } cases[] = {{12.0, 1.0, 5}, {12.6, 2.0, 3}, {360.0, 50.0, 3}, {0.144, 0.02, 3}, {66.0, 10.0, 3}};
+    } cases[] = {{12.0, 1.0, 5}, {12.6, 2.0, 3}, {360.0, 50.0, 3}, {1.44, 0.2, 3}, {66.0, 10.0, 3}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         double frame[4], bar[4], at[2];
         write_press(3.5, 3.5, cases[k].force);
@@ -368,11 +382,11 @@ static void test_stress(void)
     write_press(3.5, 3.5, 12.0);
     /* in a single cell, which is the last one too */
     GOOD("view . -o a.svg --stress --cell 20");
-    SHELL("grep -q 'principal stress, largest 0.045 ' a.svg");
+    key_is(0.045, 20.0);
     /* 12 N along a branch of 2.5 m that leans: 12 * 2.5/400, whatever its direction */
     write_press(2.5, 0.5, 12.0);
     GOOD("view . -o a.svg --stress --cell 20");
-    SHELL("grep -q 'principal stress, largest 0.075 ' a.svg");
+    key_is(0.075, 20.0);
 }
 
 /* ---- frames ---- */
@@ -555,13 +569,12 @@ static void test_animation(void)
     check_data("walls", 0, 1, 4, (double[]){-1.5, -0.5, 4.5, 0});
     for (size_t k = 1; k < 4; k++) check_data("walls", k, 0, 4, NULL);
     check_data("walls", 4, 1, 4, (double[]){5.5, 0, 0, 9});
-    CU_ASSERT(count_told("title 'normal force ") == 4 &&
-              count_told("title 'normal force at least 0.5 N'") == 1);
+    CU_ASSERT(count_told("'normal force ") == 4 && count_told("'normal force at least 0.5 N'") == 1);
     /* without one frame of four that has forces, the strongest of all frames counts */
     write_text("contacts.tsv", "step\tx\ty\tx_b\ty_b\tnormal_force\n9\t2\t1\t5\t1.5\t0.375\n");
     tell(". -o a.gif");
     check_data("contacts", 0, 1, 5, (double[]){2, 1, 3, 0.5, 12});
-    is_told("title 'normal force 0.375' noenhanced\n");
+    is_told("set label 2 'normal force 0.375' noenhanced at");
 }
 
 /* Which frame is drawn, and on what. */
@@ -604,7 +617,7 @@ static void test_chosen(void)
     CU_ASSERT(strncmp(film, start, strlen(start)) == 0 && strstr(film, "/fd/"));
     /* the scale is that frame's alone */
     tell(". -o a.svg --frame 1");
-    CHECK_PARTS(told, "set xrange [-0.75:4.25]\n", "title 'normal force 0.625 N' noenhanced\n");
+    CHECK_PARTS(told, "set xrange [-0.75:4.25]\n", "set label 2 'normal force 0.625 N' noenhanced at");
     tell(". -o a.svg --window 0.25,0.75,0.25,0.5");
     is_told("set xrange [0.25:0.75]\n");
     FAILS(65, "--frame 5: there are frames 0 to 4, steps 3 to 12", "view . -o a.svg --frame 5");
@@ -677,21 +690,22 @@ static void test_crosses(void)
         const double dx = l * ends[k][2] * ends[k][0], dy = l * ends[k][2] * ends[k][1];
         memcpy(
             crosses[k],
-            (double[]){(k < 2 ? 3.5 : 0.5) - 0.5 * dx, (k < 2 ? 1.5 : 4.5) - 0.5 * dy, dx, dy, k ? 51 : 50},
+            (double[]){(k < 2 ? 3.0 : 0.5) - 0.5 * dx, (k < 2 ? 1.0 : 4.5) - 0.5 * dy, dx, dy, k ? 51 : 50},
             sizeof crosses[k]);
     }
     check_data("stress", 0, 3, 5, *crosses);
-    is_told("arrowstyle 50 title 'principal stress, largest %.4g 1/m' noenhanced\n", 4.0 * sqrt(2.0) / 9.0);
+    is_told(" as 50\nset label 2 'principal stress %.4g' noenhanced at",
+            4.0 * sqrt(2.0) / 9.0 * 1.6 / arm(3.0));
     CU_ASSERT(!strstr(told, "normal force"));
     /* a single cell, of 20 m */
     write_text("contacts.tsv", "x\ty\tx_b\ty_b\tforce\n2.5\t1.5\t2.5\t0\t12\n");
     tell(". -o a.png --stress --cell 20");
-    check_data("stress", 0, 1, 5, (double[]){9, 1, 0, 18, 50});
+    check_data("stress", 0, 1, 5, (double[]){2.5, -8.25, 0, 18, 50});
     /* below and left of the origin: four cells and bins to a side, of which the last one has the force */
     write_text("p_grains.tsv", "x\ty\tr\n-9\t-9\t1\n0\t0\t1\n");
     write_text("p_contacts.tsv", "x\ty\tx_b\ty_b\tforce\twall\n0\t0.5\t0\t-0.5\t12\t1\n");
     tell("p_grains.tsv -o a.png --stress --base --cell 3");
-    check_data("stress", 0, 1, 5, (double[]){0.5, 0.5 - 1.35, 0, 2.7, 50});
+    check_data("stress", 0, 1, 5, (double[]){0, -1.35, 0, 2.7, 50});
     check_data("base", 0, 4, 2, (double[]){-8.5, 0, -5.5, 0, -2.5, 0, 0.5, 4});
 }
 
@@ -726,17 +740,33 @@ static void test_bins(void)
                "# units: 1\t1\t1\t1\tN\t1\nx\ty\tx_b\ty_b\tnormal_force\twall\n0\t1\t0\t0\t6\t1\n");
     tell(". -o a.png --base --cell 3");
     CHECK_PARTS(told, "set ylabel 'pressure' noenhanced\nset xlabel 'x' noenhanced\n",
-                "title 'normal force 6 N' noenhanced\n");
+                "set label 2 'normal force 6 N' noenhanced at");
     write_text("contacts.tsv", "# units: m\tm\tm\tm\tmN\nx\ty\tx_b\ty_b\tforce\n0\t1\t0\t0\t6\n");
     tell(". -o a.png");
-    is_told("title 'normal force 6 mN' noenhanced\n");
+    is_told("set label 2 'normal force 6 mN' noenhanced at");
     write_pile();
-    /* without a cell, as many bins as are nearest to three mean diameters: 7 m by 7 m */
+    /* without a cell, as many bins as are nearest to three mean diameters; up to eight: to one */
+    static const double ends[][2] = {{1.25, 1.125}, {6.5, 7.5 / 8.0}, {27.5, 2.85}};
     tell(". -o a.png --base");
-    is_told("set boxwidth 7\n");
-    write_text("states.tsv", "x\ty\tr\n0\t0.5\t0.5\n6.5\t0.5\t0.5\n"); /* 2.5 times three diameters: 3 */
-    tell(". -o a.png --base");
-    is_told("set boxwidth 2.5\n");
+    is_told("set boxwidth %.17g\n", 7.0 / 3.0);
+    for (size_t k = 0; k < 3; k++) {
+        write_text("states.tsv", "x\ty\tr\tfixed\n0\t0.5\t0.5\t0\n%g\t0.5\t0.5\t1\n", ends[k][0]);
+        tell(". -o a.png --base");
+        is_told("set boxwidth %.17g\n", ends[k][1]);
+    }
+    /* a fixed grain has a core */
+    is_told("$grains << end\n0 0.5 0.5 0\n27.5 0.5 0.5 0 0.4\nend\n");
+    is_told(", \\\n $grains using 1:2:($3*$5) with circles fc rgb '#404040' fs solid noborder notitle");
+    /* long numbers are over a power of ten */
+    write_text("states.tsv", "# units: m\tm\tm\nx\ty\tr\n0\t0\t1e-4\n5e-4\t0\t1e-4\n");
+    tell(". -o a.png --color x");
+    CHECK_PARTS(told, "set cblabel 'x (1e-4 m)' noenhanced\n", "set xlabel 'x (1e-3 m)' noenhanced\n",
+                "set xtics ('-0.2' -0.0002", "set ylabel 'y (1e-3 m)' noenhanced\n");
+    write_pile();
+    write_press(3.5, 3.5, 12e8);
+    tell(". -o a.png --base --cell 3");
+    CHECK_PARTS(told, "set ytics ('0' 0, '1' 100000000, '2' 200000000, '3' 300000000, '4' 400000000)\n",
+                "set ylabel 'pressure (1e8)' noenhanced\n");
     /* of a static pile the forces are those of its base; without names of the units */
     write_text("disks.tsv", "x\ty\tr\n0\t0.5\t0.5\n1\t0.5\t0.5\n2\t0.5\t0.5\n");
     SHELL("rm contacts.tsv walls.tsv states.tsv");
@@ -750,7 +780,7 @@ static void test_bins(void)
  * from pale to dark. A window of W by W m is 14 by 14 cm, in a picture of 16.5 by 16.9 cm. */
 static void test_styles(void)
 {
-    static const int windows[] = {50, 136, 1000};
+    static const int windows[] = {50, 136, 900};
     write_pile();
     write_text("states.tsv", "# units: m\tm\tm\nx\ty\tr\n0\t1\t1\n2\t1\t1\n");
     SHELL("rm walls.tsv >out 2>err");
@@ -775,9 +805,8 @@ static void test_styles(void)
             " $contacts using",
             length * 37.8 / 4.125, 0.25 / 4.125, length * 37.8 / 4.125, 0.25 / 4.125);
         is_told("set yrange [0:%d]\nset tmargin at screen %.5f\nset bmargin at screen %.5f\n"
-                "set key at graph 1, screen %.5f right bottom horizontal samplen 2\nset ylabel 'y (m)' "
-                "noenhanced\n",
-                windows[k], 1.0 - 1.4 / 16.9, 1.5 / 16.9, 1.0 - 1.3 / 16.9);
+                "set ylabel 'y (m)' noenhanced\n",
+                windows[k], 1.0 - 1.4 / 16.9, 1.5 / 16.9);
         is_told("lmargin at screen %.5f\nset rmargin at screen %.5f\n", 1.8 / 16.5, 1.0 - 0.7 / 16.5);
         is_told("'2 grains' noenhanced at graph 0, screen %.5f left\n", 1.0 - 0.5 / 16.9);
         CU_ASSERT(!strstr(told, "$walls with"));
@@ -830,7 +859,7 @@ static void test_stages(void)
         check_data("grains", k, 1, 4, (double[]){x[k], 0, 1, 0});
         check_data("contacts", k, 1, 5, (double[]){x[k], 0, 0, 2, class[k]});
     }
-    is_told("title 'normal force 2' noenhanced\n");
+    is_told("set label 2 'normal force 2' noenhanced at");
 }
 
 /* ---- kinds of folders and files ---- */

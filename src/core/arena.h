@@ -22,7 +22,7 @@ void *rp_arena_memory(rp_arena *arena, size_t n, size_t size);
 /* n zeroed objects for `pointer`, or the end of this function: RP_NO_MEMORY. */
 #define RP_NEW(arena, pointer, n)                                                                            \
     do {                                                                                                     \
-        (pointer) = rp_arena_memory(arena, n, sizeof *(pointer));                                            \
+        (pointer) = (__typeof__(pointer))rp_arena_memory(arena, n, sizeof *(pointer));                       \
         if (!(pointer)) return RP_NO_MEMORY;                                                                 \
     } while (0)
 

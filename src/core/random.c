@@ -86,6 +86,7 @@ double rp_random_cut_normal(gsl_rng *r, double mean, double width, double lo, do
 {
     if (width <= 0.0) return mean;
     double a = fmax((lo - mean) / width, -8.0), b = fmin((hi - mean) / width, 8.0);
+    if (!(a <= b)) return NAN;
     for (;;) {
         double z = a + (b - a) * gsl_rng_uniform(r);
         if (accept_exp(r, 0.5 * z * z)) return mean + width * z;

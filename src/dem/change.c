@@ -144,7 +144,7 @@ rp_status dem_remove(dem_sim **sim, dem_in_region *in, const void *region)
 static rp_status check_number(const dem_sim *sim, size_t wall)
 {
     if (wall < sim->def.n_walls) return RP_OK;
-    return rp_fail(RP_BAD_INPUT, "wall %zu: there are %zu, from 0 on", wall, sim->def.n_walls);
+    return rp_fail(RP_BAD_INPUT, "wall %zu: there are %zu", wall + 1, sim->def.n_walls);
 }
 
 rp_status dem_wall_open(dem_sim *sim, size_t wall, double speed)

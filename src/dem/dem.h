@@ -4,7 +4,8 @@
  * Spheres or disks of any radius, that rotate or, as in the paper, do not; walls are lines or segments;
  * gravity or the box may turn. Angles and spins are counter-clockwise.
  * Any consistent units (the scenes of the paper use cgs). Grains have ids from 1 on, in the order of the
- * definition. All functions are deterministic: the same definition gives the same bits. */
+ * definition; walls are numbered from 0 on in calls and in a dem_contact, from 1 on in messages, tables and a
+ * dem_ground. All functions are deterministic: the same definition gives the same bits. */
 #ifndef DEM_H
 #define DEM_H
 

@@ -167,7 +167,7 @@ static const struct {
              {{"fx", "fy"}, "fx fy fz", "force", "force"},
              {{"omega"}, "omegaz", "omega", "omega"}};
 
-/* Add column c, unless it has a place of its own or is the second component of a vector. */
+/* Add column c, unless it has a place of its own, or the vector that it belongs to is there already. */
 static rp_status add_field(export_run *run, int c)
 {
     static const char *const placed[] = {"step", "t", "id", "x", "y"};
@@ -180,9 +180,10 @@ static rp_status add_field(export_run *run, int c)
         const bool vector = known[i].columns[1];
         const int first = rp_table_column(t, known[i].columns[0]),
                   second = vector ? rp_table_column(t, known[i].columns[1]) : -1;
-        if (vector && second == c && first >= 0) return RP_OK;
-        if (first != c || (vector && second < 0)) continue;
-        field = (export_field){{c, second}, known[i].dump, known[i].xyz, known[i].vtk};
+        if ((first != c && second != c) || (vector && (first < 0 || second < 0))) continue;
+        for (size_t f = 0; f < run->n_fields; f++)
+            if (run->fields[f].column[0] == first) return RP_OK;
+        field = (export_field){{first, second}, known[i].dump, known[i].xyz, known[i].vtk};
     }
     if (run->n_fields == EXPORT_MOST_FIELDS)
         return rp_fail(RP_BAD_INPUT, "%s: more than %d columns", t->path, EXPORT_MOST_FIELDS);

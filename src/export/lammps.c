@@ -44,8 +44,10 @@ static rp_status check_material(const dem_definition *def, const dem_material *m
         return rp_fail(RP_BAD_INPUT, "%srolling.mu = %g: LAMMPS damps rolling without the mass", of,
                        m->mu_roll);
     if (normal_law(def)->lammps_damping && m->gamma_n > 1.2728)
-        return rp_fail(RP_BAD_INPUT, "%snormal.gamma_n = %g: LAMMPS' damping tsuji goes up to 1.2728", of,
-                       m->gamma_n);
+        return rp_fail(
+            RP_BAD_INPUT,
+            "%snormal.gamma_n = %g, given or by restitution: LAMMPS' damping tsuji goes up to 1.2728", of,
+            m->gamma_n);
     if (slides && m->gamma_s > 0.0 && tsuji(def, m) != (def->tangential == DEM_MINDLIN))
         return rp_fail(
             RP_BAD_INPUT,
@@ -341,6 +343,7 @@ static rp_status prepare(rp_arena *arena, lammps_scene *s)
     if (s->scene.phases) return rp_fail(RP_BAD_INPUT, "phases: the input is of a scene without them");
     RP_TRY(check_scene(&s->scene.def));
     RP_TRY(start_scene(arena, s));
+    RP_TRY(check_scene(&s->def)); /* with what a restitution stands for */
     return find_types(arena, s);
 }
 

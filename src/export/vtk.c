@@ -8,12 +8,28 @@
 #include "core/folder.h"
 #include "export/export.h"
 
-/* One piece of PolyData in the making: points, then cells of `size` points each. */
+/* One piece of PolyData in the making: points, then cells of `size` points each, one of each row that is
+ * drawn. */
 typedef struct {
     const export_frames *frames;
     size_t first, end;
-    int size; /* 1: vertices; 2: lines */
+    int size;        /* 1: vertices; 2: lines */
+    const int *ends; /* columns of a wall's ends: nothing is left of one without a length; NULL: no walls */
 } piece;
+
+static bool is_drawn(const piece *p, size_t row)
+{
+    const rp_table *t = p->frames->table;
+    return !p->ends ||
+           strtod(export_cell(t, row, p->ends[0]), NULL) < strtod(export_cell(t, row, p->ends[1]), NULL);
+}
+
+static size_t count_drawn(const piece *p)
+{
+    size_t n = 0;
+    for (size_t i = p->first; i < p->end; i++) n += is_drawn(p, i);
+    return n;
+}
 
 #define END "</Piece>\n</PolyData>\n</VTKFile>\n"
 
@@ -27,6 +43,7 @@ static void write_column(FILE *out, const piece *p, const char *name, int first,
 {
     start_array(out, name, second < 0 ? 1 : 3);
     for (size_t i = p->first; i < p->end; i++) {
+        if (!is_drawn(p, i)) continue;
         fputs(export_cell(p->frames->table, i, first), out);
         if (second >= 0) fprintf(out, " %s 0", export_cell(p->frames->table, i, second));
         fputc('\n', out);
@@ -36,7 +53,7 @@ static void write_column(FILE *out, const piece *p, const char *name, int first,
 
 static void start(FILE *out, const piece *p)
 {
-    const size_t n = p->end - p->first;
+    const size_t n = count_drawn(p);
     fprintf(
         out,
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\">\n"
@@ -49,7 +66,7 @@ static void start(FILE *out, const piece *p)
 /* After the points: the cells. */
 static void write_cells(FILE *out, const piece *p)
 {
-    const size_t n = p->end - p->first, size = (size_t)p->size;
+    const size_t n = count_drawn(p), size = (size_t)p->size;
     const char *cells = size == 1 ? "Verts" : "Lines";
     fprintf(
         out,
@@ -112,13 +129,15 @@ static const lines contacts = {4, {"x", "y", "x_b", "y_b"}, put_contact},
                    walls = {6, {"x", "y", "direction_x", "direction_y", "from", "to"}, put_wall};
 
 /* With all other columns as their data. */
-static rp_status write_lines(const export_run *run, const piece *p, const lines *l, FILE *out)
+static rp_status write_lines(const export_run *run, piece *p, const lines *l, FILE *out)
 {
     const rp_table *t = p->frames->table;
     int ends[6];
     for (size_t k = 0; k < l->n; k++) RP_TRY(rp_table_find(t, l->columns[k], l->columns[k], &ends[k]));
+    if (l == &walls) p->ends = ends + 4;
     start(out, p);
-    for (size_t i = p->first; i < p->end; i++) l->put(run, t, i, ends, out);
+    for (size_t i = p->first; i < p->end; i++)
+        if (is_drawn(p, i)) l->put(run, t, i, ends, out);
     write_cells(out, p);
     fputs("<CellData>\n", out);
     for (int c = 0; c < (int)t->n_columns; c++) {
@@ -145,7 +164,7 @@ static rp_status write_frame(const export_run *run, size_t k, const char *folder
         size_t first = run->grains.first[k], n = run->grains.first[k + 1] - first;
         if (!f->table) continue;
         if (parts[i].lines) n = export_rows_at(f, export_frame_step(run, k), &first);
-        const piece p = {f, first, first + n, parts[i].lines ? 2 : 1};
+        piece p = {f, first, first + n, parts[i].lines ? 2 : 1, NULL};
         const char *path = rp_text(run->arena, "%s/%s_%06zu.vtp", folder, parts[i].name, k);
         export_file e;
         RP_TRY(export_open(path, &e));

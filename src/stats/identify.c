@@ -611,6 +611,14 @@ rp_status stats_identify(const stats_quest *q, stats_answer *a)
     search s = {.q = &own,
                 .skipped = SIZE_MAX,
                 .n_terms = q->n_names == 1 ? 4 : (q->n_names + 1) * (q->n_names + 2) / 2};
+    if (q->n_names < 1 || q->n_names > STATS_NAMES || q->n_numbers < 1 || q->n_numbers > STATS_NUMBERS)
+        return rp_fail(RP_BAD_INPUT, "%zu names, %zu numbers: 1 to %d, and 1 to %d expected", q->n_names,
+                       q->n_numbers, STATS_NAMES, STATS_NUMBERS);
+    for (size_t k = 0; k < q->n_numbers; k++)
+        if (!isfinite(q->value[k]) || !(q->error[k] > 0.0 && isfinite(q->error[k])))
+            return rp_fail(RP_BAD_INPUT,
+                           "number %zu: %g with the standard error %g: finite, and above 0 expected", k + 1,
+                           q->value[k], q->error[k]);
     for (size_t p = 0; p < q->n_names; p++)
         if (!(q->hi[p] > q->lo[p]) || !isfinite(q->lo[p]) || !isfinite(q->hi[p]))
             return rp_fail(RP_BAD_INPUT, "range of name %zu: [%g, %g]", p + 1, q->lo[p], q->hi[p]);

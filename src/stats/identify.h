@@ -83,8 +83,9 @@ typedef struct {
     double weight[STATS_NAMES], sum, sum_error;
 } stats_answer;
 
-/* Errors: RP_BAD_INPUT (no range, too few points), RP_NO_RESULT (too few points with numbers), RP_NO_MEMORY,
- * RP_BROKEN, those of `run`. A budget that ends the search is a status. */
+/* Errors: RP_BAD_INPUT (numbers of names or numbers, no range, a value, an error of 0, too few points),
+ * RP_NO_RESULT (too few points with numbers), RP_NO_MEMORY, RP_BROKEN, those of `run`. A budget that ends the
+ * search is a status. */
 rp_status stats_identify(const stats_quest *quest, stats_answer *answer);
 
 RP_C_END

@@ -48,7 +48,13 @@ rp_status stats_least(const stats_minimum *m, double x[], double *value)
 {
     double cell[MOST], y[MOST];
     size_t n_free = 0;
+    if (m->n < 1 || m->n > MOST || m->cells < 1)
+        return rp_fail(RP_BAD_INPUT, "minimum: %zu dimensions, %d cells: 1 to %d, and 1 or more expected",
+                       m->n, m->cells, MOST);
     for (size_t p = 0; p < m->n; p++) {
+        if (!isfinite(m->lo[p]) || !isfinite(m->hi[p]))
+            return rp_fail(RP_BAD_INPUT, "minimum: side %zu: [%g, %g]: finite ends expected", p + 1, m->lo[p],
+                           m->hi[p]);
         const bool held = !(m->hi[p] > m->lo[p]);
         n_free += !held;
         cell[p] = held ? 1.0 : (m->hi[p] - m->lo[p]) / m->cells;

@@ -68,6 +68,13 @@ rp_status stats_line_fit(const stats_xy *p, bool origin, stats_line *line)
 
 rp_status stats_linear_fit(stats_linear *f)
 {
+    if (f->p < 1 || f->p > f->n || !(f->tolerance > 0.0))
+        return rp_fail(RP_BAD_INPUT,
+                       "least squares: %zu values, %zu columns, tolerance %g: 1 <= columns <= values "
+                       "and a tolerance above 0 expected",
+                       f->n, f->p, f->tolerance);
+    RP_TRY(stats_check_finite(f->n * f->p, f->X));
+    RP_TRY(stats_check_finite(f->n, f->y));
     gsl_matrix_const_view X = gsl_matrix_const_view_array(f->X, f->n, f->p);
     gsl_vector_const_view w = gsl_vector_const_view_array(f->w ? f->w : f->y, f->n);
     gsl_vector_const_view y = gsl_vector_const_view_array(f->y, f->n);

@@ -161,7 +161,7 @@ typedef struct {
     size_t rank;
 } stats_linear;
 
-/* Errors: RP_NO_MEMORY, RP_BROKEN. */
+/* Errors: RP_BAD_INPUT (p > n, a value that is not finite, a tolerance of 0), RP_NO_MEMORY, RP_BROKEN. */
 rp_status stats_linear_fit(stats_linear *fit);
 
 /* ---- least value of a function (least.c) ---- */
@@ -180,7 +180,8 @@ typedef struct {
 } stats_minimum;
 
 /* Least value over the box: downhill from the best of the grid, and from the guess or, without one, from the
- * middles of the halves of all sides. Sets x[n] and *value. Errors: RP_NO_MEMORY, RP_BROKEN. */
+ * middles of the halves of all sides. Sets x[n] and *value. Errors: RP_BAD_INPUT (n, cells, an end
+ * that is not finite), RP_NO_MEMORY, RP_BROKEN. */
 rp_status stats_least(const stats_minimum *m, double x[], double *value);
 
 RP_C_END

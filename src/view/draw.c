@@ -10,8 +10,9 @@
  * Colours are distinct for the colour-blind, and by their lightness alone. */
 enum { PULLS = 20 }; /* above all classes */
 static const double LEFT = 1.8, RIGHT = 0.7, COLOUR_BAR = 3.1, TOP = 1.4, BOTTOM = 1.5; /* cm */
-static const double LOW = 4.0, ROOM = 0.5, PANEL = 3.2, TALLEST = 14.0, FLATTEST = 1.2, NARROWEST = 11.0;
-static const double PER_CM = 37.8; /* of lines' widths */
+static const double LOW = 4.0, ROOM = 0.5, PANEL = 3.2, TALLEST = 14.0, FLATTEST = 1.2, NARROWEST = 11.0,
+                    FLATTEST_BAR = 2.2; /* of the bar of colours beside its label */
+static const double PER_CM = 37.8;      /* of lines' widths */
 static const char WALL[] = "#404040", PRESS[] = "#0072b2", PULL[] = "#d55e00";
 
 /* Colours of the figures too: gnuplot reads the file that is included here. */
@@ -143,11 +144,11 @@ static rp_status measure(rp_arena *arena, const view_frame *f, const view_style 
 /* The picture's size follows from the window's; lengths on paper are those of the plot. */
 static void lay_out(const view_style *style, view_scale *s)
 {
-    const double right = *style->color ? COLOUR_BAR : RIGHT;
+    const double right = *style->color ? COLOUR_BAR : RIGHT, least = *style->color ? FLATTEST_BAR : FLATTEST;
     s->panel = style->base ? PANEL : 0.0;
     double width = style->width - LEFT - right, x = s->window[1] - s->window[0],
            y = s->window[3] - s->window[2];
-    if (y * width < FLATTEST * x) s->window[3] = s->window[2] + (y = FLATTEST * x / width);
+    if (y * width < least * x) s->window[3] = s->window[2] + (y = least * x / width);
     if (y * width > TALLEST * x) width = fmax(TALLEST * x / y, NARROWEST - LEFT - right);
     s->per_length = fmin(width / x, TALLEST / y);
     s->width = width + LEFT + right;
@@ -165,7 +166,9 @@ rp_status view_scale_of(rp_arena *arena, const view_scene *scene, size_t first, 
         s->radius = find_window(scene->frames, scene->frames + scene->n, s->window);
     s->start[0] = s->window[0] + s->radius, s->start[1] = s->window[2] + s->radius;
     const double extent = s->window[1] - s->radius - s->start[0];
-    s->cell = style->cell > 0.0 ? style->cell : extent / fmax(round(extent / (6.0 * s->radius)), 1.0);
+    const double wide = round(extent / (6.0 * s->radius)),
+                 narrow = fmin(round(extent / (2.0 * s->radius)), 8.0);
+    s->cell = style->cell > 0.0 ? style->cell : extent / fmax(fmax(wide, narrow), 1.0);
     if (!isnan(style->window[0])) memcpy(s->window, style->window, sizeof s->window);
     const double x = s->window[1] - s->window[0], y = s->window[3] - s->window[2];
     if (!isfinite(x * y) || !(x > 0.0 && y > 0.0))
@@ -212,18 +215,63 @@ static void put_quoted(FILE *out, const char *format, ...)
 }
 
 /* " cm", or nothing for a number without a unit. */
-static const char *unit_after(const char *unit, char text[40])
+static const char *unit_after(const char *unit, char text[100])
 {
-    snprintf(text, 40, "%s%s", strcmp(unit, "1") ? " " : "", strcmp(unit, "1") ? unit : "");
+    snprintf(text, 100, "%s%s", strcmp(unit, "1") ? " " : "", strcmp(unit, "1") ? unit : "");
     return text;
 }
 
-static void put_label(FILE *out, const char *set, const char *name, const char *unit)
+/* The power of ten that an axis is labelled in: numbers of many digits have no room. */
+static int power_of(double largest)
 {
+    const double power = floor(log10(largest));
+    return power < -1.0 || power > 2.0 ? (int)power : 0;
+}
+
+static int power_of_window(const view_scale *s)
+{
+    double largest = 0.0;
+    for (int k = 0; k < 4; k++) largest = fmax(largest, fabs(s->window[k]));
+    return power_of(largest);
+}
+
+/* Of stress and pressure, in two dimensions. */
+static const char *force_a_length(const view_scene *scene, char text[80])
+{
+    const bool known = strcmp(scene->force, "1") != 0 && strcmp(scene->length, "1") != 0;
+    snprintf(text, 80, "%s%s%s", known ? scene->force : "1", known ? "/" : "", known ? scene->length : "");
+    return text;
+}
+
+static void put_label(FILE *out, const char *set, const char *name, const char *unit, int power)
+{
+    char ten[16] = "", unused[100];
+    if (power) snprintf(ten, sizeof ten, "1e%d", power);
+    const char *in = unit_after(unit, unused);
     fprintf(out, "set %s ", set);
-    const bool any = strcmp(unit, "1") != 0;
-    put_quoted(out, "%s%s%s%s", name, any ? " (" : "", any ? unit : "", any ? ")" : "");
+    if (*ten || *in)
+        put_quoted(out, "%s (%s%s)", name, ten, in + !*ten);
+    else
+        put_quoted(out, "%s", name);
     fputs(" noenhanced\n", out);
+}
+
+/* The least of 1, 2, 5, 10, ... that is not below x > 0. */
+static double round_step(double x)
+{
+    const double ten = pow(10.0, floor(log10(x)));
+    return ten * (x <= ten ? 1.0 : x <= 2.0 * ten ? 2.0 : x <= 5.0 * ten ? 5.0 : 10.0);
+}
+
+/* Marks of an axis from lo to hi, whose numbers are over this power of ten. */
+static void put_marks(FILE *out, const char *axis, double lo, double hi, double step, int power)
+{
+    const double first = ceil(lo / step), n = fmin(floor(hi / step) - first, 50.0);
+    fprintf(out, "set %stics (", axis);
+    for (int k = 0; k <= n; k++)
+        fprintf(out, "%s'%.7g' %.17g", k ? ", " : "", (first + k) * (step / pow(10.0, power)),
+                (first + k) * step);
+    fputs(")\n", out);
 }
 
 static double thickest(const view_scale *s)
@@ -261,8 +309,12 @@ static void put_palette(const view_scene *scene, const view_style *style, const 
         fputs("set palette defined (0 '#fff7bc', 1 '#fe9929', 2 '#cc4c02')\n", out);
     }
     if (!(hi > lo)) lo -= fmax(fabs(lo), 1.0) * 0.5, hi += fmax(fabs(hi), 1.0) * 0.5;
-    put_label(out, "cblabel", style->color, scene->quantity);
+    const int power = power_of(fmax(fabs(lo), fabs(hi)));
+    const double height = s->height - TOP - BOTTOM - s->panel,
+                 step = round_step((hi - lo) * fmax(0.4 / height, 0.1));
+    put_label(out, "cblabel", style->color, scene->quantity, power);
     fprintf(out, "set cbrange [%.17g:%.17g]\nset cbtics scale 0.5\n", lo, hi);
+    if (power || height < LOW) put_marks(out, "cb", lo, hi, step, power);
 }
 
 void view_draw_start(const view_scene *scene, const view_style *style, const view_scale *s, FILE *out)
@@ -273,7 +325,11 @@ void view_draw_start(const view_scene *scene, const view_style *style, const vie
             "set lmargin at screen %.5f\nset rmargin at screen %.5f\n",
             s->window[0], s->window[1], find_colours().outline, LEFT / s->width,
             1.0 - (*style->color ? COLOUR_BAR : RIGHT) / s->width);
-    put_label(out, "xlabel", "x", scene->length);
+    const int power = power_of_window(s);
+    put_label(out, "xlabel", "x", scene->length, power);
+    if (power)
+        put_marks(out, "x", s->window[0], s->window[1], round_step((s->window[1] - s->window[0]) / 8.0),
+                  power);
     put_chains(style, s, out);
     if (*style->color) put_palette(scene, style, s, out);
 }
@@ -325,22 +381,46 @@ static bool put_walls(const view_frame *f, const view_scale *s, FILE *out)
     return any;
 }
 
-/* Both principal stresses of each cell as a cross. */
+/* A share of what is in a cell, and its places times that. */
+typedef struct {
+    double sum, x, y;
+} weighted;
+
+/* Of the contacts' forces along their branches, which lie in the pile; a cell's middle may not. */
+static weighted *places_of(rp_arena *arena, const view_frame *f, const stress_grid *g)
+{
+    enum { PARTS = 8 };
+    weighted *cells = rp_arena_memory(arena, g->nx * g->ny, sizeof *cells);
+    for (const view_contact *v = f->contacts; v < f->contacts + f->n_contacts; v++)
+        for (int k = 0; k < PARTS; k++) {
+            const stress_contact *c = &v->c;
+            const double part = (k + 0.5) / PARTS, x = c->x + part * (c->x_b - c->x),
+                         y = c->y + part * (c->y_b - c->y), i = floor((x - g->x0) / g->dx),
+                         j = floor((y - g->y0) / g->dy),
+                         weight = hypot(c->fx, c->fy) * hypot(c->x_b - c->x, c->y_b - c->y);
+            if (!(i >= 0.0 && j >= 0.0 && i < (double)g->nx && j < (double)g->ny)) continue;
+            weighted *cell = &cells[(size_t)j * g->nx + (size_t)i];
+            cell->sum += weight, cell->x += weight * x, cell->y += weight * y;
+        }
+    return cells;
+}
+
+/* Both principal stresses of each cell as a cross, at the mean place of the forces there. */
 static rp_status put_stress(rp_arena *arena, const view_frame *f, const view_scale *s, FILE *out)
 {
     const stress_grid g = grid_of(s);
     stress_tensor *cells;
     rp_status status = stress_of(arena, f, s, &cells);
+    const weighted *places = places_of(arena, f, &g);
     fputs("$stress << end\n", out);
     for (size_t k = 0; !status && k < g.nx * g.ny; k++) {
         const stress_circle c = stress_mohr(&cells[k]);
-        const double x = g.x0 + ((double)(k % g.nx) + 0.5) * g.dx,
-                     y = g.y0 + ((double)(k / g.nx) + 0.5) * g.dy;
+        const double x = places[k].x / places[k].sum, y = places[k].y / places[k].sum;
         for (int minor = 0; minor < 2; minor++) {
             const double p = c.pressure + (minor ? -c.shear : c.shear),
                          angle = c.direction + (minor ? M_PI_2 : 0.0), l = 0.9 * g.dx * fabs(p) / s->stress,
                          dx = l * cos(angle), dy = l * sin(angle);
-            if (p != 0.0)
+            if (p != 0.0 && places[k].sum > 0.0)
                 fprintf(out, "%.9g %.9g %.9g %.9g %d\n", x - 0.5 * dx, y - 0.5 * dy, dx, dy,
                         p < 0.0 ? 51 : 50);
         }
@@ -349,31 +429,24 @@ static rp_status put_stress(rp_arena *arena, const view_frame *f, const view_sca
     return status;
 }
 
-/* The least of 1, 2, 5, 10, ... that is not below x > 0. */
-static double round_step(double x)
-{
-    const double ten = pow(10.0, floor(log10(x)));
-    return ten * (x <= ten ? 1.0 : x <= 2.0 * ten ? 2.0 : x <= 5.0 * ten ? 5.0 : 10.0);
-}
-
 static void put_panel(rp_arena *arena, const view_scene *scene, const view_frame *f, const view_scale *s,
                       FILE *out)
 {
-    char unit[80] = "1";
-    if (strcmp(scene->force, "1") != 0 && strcmp(scene->length, "1") != 0)
-        snprintf(unit, sizeof unit, "%s/%s", scene->force, scene->length);
+    char unit[80];
+    const int power = power_of(s->pressure);
+    const double top = 1.08 * s->pressure, step = round_step(s->pressure / 4.0);
     size_t n;
     const double *pressure = pressure_of(arena, f, s, &n);
     fputs("$base << end\n", out);
     for (size_t k = 0; k < n; k++)
         fprintf(out, "%.9g %.9g\n", s->start[0] + ((double)k + 0.5) * s->cell, pressure[k]);
     fprintf(out,
-            "end\nunset label 1\nunset colorbox\nset size noratio\nset tmargin at screen %.5f\n"
+            "end\nunset label\nunset arrow 1\nunset colorbox\nset size noratio\nset tmargin at screen %.5f\n"
             "set bmargin at screen %.5f\nset yrange [0:%.17g]\nset ytics %g\n",
-            (BOTTOM + PANEL - 1.3) / s->height, BOTTOM / s->height, 1.08 * s->pressure,
-            round_step(s->pressure / 4.0));
-    put_label(out, "ylabel", "pressure", unit);
-    put_label(out, "xlabel", "x", scene->length);
+            (BOTTOM + PANEL - 1.3) / s->height, BOTTOM / s->height, top, step);
+    if (power) put_marks(out, "y", 0.0, top, step, power);
+    put_label(out, "ylabel", "pressure", force_a_length(scene, unit), power);
+    put_label(out, "xlabel", "x", scene->length, power_of_window(s));
     fprintf(out,
             "set boxwidth %.17g\nplot $base using 1:2 with boxes fc rgb '#9ecae1' notitle\n"
             "unset multiplot\n",
@@ -383,7 +456,7 @@ static void put_panel(rp_arena *arena, const view_scene *scene, const view_frame
 /* What the picture shows, above it. */
 static void put_title(const view_scene *scene, const view_frame *f, const view_scale *s, FILE *out)
 {
-    char step[32] = "", t[80] = "", unit[40];
+    char step[32] = "", t[128] = "", unit[100];
     if (!isnan(f->step)) snprintf(step, sizeof step, "step %.0f, ", f->step);
     if (!isnan(f->t)) snprintf(t, sizeof t, "t = %.5g%s, ", f->t, unit_after(scene->time, unit));
     fputs("set label 1 ", out);
@@ -391,10 +464,32 @@ static void put_title(const view_scene *scene, const view_frame *f, const view_s
     fprintf(out, " noenhanced at graph 0, screen %.5f left\n", 1.0 - 0.5 / s->height);
 }
 
+/* A line, and what it stands for: from the left on, so that it is in pictures of any width. */
+static void put_keys(const view_scene *scene, const view_frame *f, const view_style *style,
+                     const view_scale *s, FILE *out)
+{
+    char unit[80], after[100];
+    /* as long as the arms of the largest cross, or a part or a multiple of that */
+    const double arm = 0.9 * s->cell * s->per_length,
+                 length = style->stress ? fmin(fmax(arm, 0.4), 1.6) : 0.8;
+    const double x = (LEFT + length + 0.2) / s->width, y = 1.0 - (TOP - 0.3) / s->height;
+    fputs("unset label 2\nunset arrow 1\n", out);
+    if (!style->stress && !(f->n_contacts > 0 && s->force > 0.0)) return;
+    fprintf(out, "set arrow 1 from screen %.5f, %.5f to screen %.5f, %.5f as %d\nset label 2 ",
+            LEFT / s->width, y, (LEFT + length) / s->width, y, style->stress ? 50 : find_colours().classes);
+    if (style->stress)
+        put_quoted(out, "principal stress %.4g%s", s->stress * length / arm,
+                   unit_after(force_a_length(scene, unit), after));
+    else
+        put_quoted(out, "normal force %s%.4g%s", largest_force(f) > s->force ? "at least " : "", s->force,
+                   unit_after(scene->force, after));
+    fprintf(out, " noenhanced at screen %.5f, screen %.5f left\n", x, y);
+}
+
 /* The radius of a point of size 1 in an svg picture: three eighths of the height of its letters. */
 static const double POINT = 0.375 * VIEW_LETTERS; /* pixels */
 
-static void put_circles(const view_style *style, const view_scale *s, FILE *out)
+static void put_circles(const view_style *style, const view_scale *s, bool any_fixed, FILE *out)
 {
     char fill[32];
     snprintf(fill, sizeof fill, *style->color ? "palette" : "rgb '%s'", find_colours().grain);
@@ -407,6 +502,9 @@ static void put_circles(const view_style *style, const view_scale *s, FILE *out)
     else
         fprintf(out, "plot $grains using 1:2:3%s with circles lw 0.4 fc %s notitle",
                 *style->color ? ":4" : "", fill);
+    if (any_fixed) /* a core */
+        fprintf(out, ", \\\n $grains using 1:2:($3*$5) with circles fc rgb '%s' fs solid noborder notitle",
+                WALL);
 }
 
 rp_status view_draw(rp_arena *arena, const view_scene *scene, const view_frame *f, const view_style *style,
@@ -416,43 +514,43 @@ rp_status view_draw(rp_arena *arena, const view_scene *scene, const view_frame *
     const bool chains = f->n_contacts > 0 && s->force > 0.0;
     rp_status status = RP_OK;
     fputs("$grains << end\n", out);
-    for (size_t i = 0; i < f->n; i++)
-        fprintf(out, "%.9g %.9g %.9g %.9g\n", f->x[i], f->y[i], f->r[i], f->value ? f->value[i] : 0.0);
+    bool any_fixed = false;
+    for (size_t i = 0; i < f->n; i++) {
+        const bool fixed = f->fixed && f->fixed[i] > 0.0;
+        any_fixed |= fixed;
+        fprintf(out, "%.9g %.9g %.9g %.9g%s\n", f->x[i], f->y[i], f->r[i], f->value ? f->value[i] : 0.0,
+                fixed ? " 0.4" : "");
+    }
     fputs("end\n", out);
     if (chains) put_contacts(f, s, out);
     const bool walls = put_walls(f, s, out);
     if (style->stress) status = put_stress(arena, f, s, out);
     put_title(scene, f, s, out);
+    put_keys(scene, f, style, s, out);
     if (style->base) fputs("set multiplot\nunset xlabel\n", out);
-    if ((s->window[3] - s->window[2]) * s->per_length < LOW) /* with room between the numbers */
+    const int power = power_of_window(s);
+    const double height = (s->window[3] - s->window[2]) * s->per_length;
+    if (power)
+        put_marks(out, "y", s->window[2], s->window[3], round_step(fmax(ROOM, 0.1 * height) / s->per_length),
+                  power);
+    else if (height < LOW) /* with room between the numbers */
         fprintf(out, "set ytics %g\n", round_step(ROOM / s->per_length));
     else
         fputs("set ytics autofreq\n", out);
     fprintf(out,
             "set size ratio -1\nset yrange [%.17g:%.17g]\nset tmargin at screen %.5f\n"
-            "set bmargin at screen %.5f\nset key at graph 1, screen %.5f right bottom horizontal samplen 2\n",
-            s->window[2], s->window[3], 1.0 - TOP / s->height, (BOTTOM + s->panel) / s->height,
-            1.0 - (TOP - 0.1) / s->height);
+            "set bmargin at screen %.5f\n",
+            s->window[2], s->window[3], 1.0 - TOP / s->height, (BOTTOM + s->panel) / s->height);
     if (*style->color) /* as far from the plot, and as wide, in pictures of all sizes */
         fprintf(out, "set colorbox user origin %.5f, %.5f size %.5f, %.5f\n",
                 1.0 - (COLOUR_BAR - 0.4) / s->width, (BOTTOM + s->panel) / s->height, 0.5 / s->width,
                 1.0 - (TOP + BOTTOM + s->panel) / s->height);
-    put_label(out, "ylabel", "y", scene->length);
-    put_circles(style, s, out);
+    put_label(out, "ylabel", "y", scene->length, power);
+    put_circles(style, s, any_fixed, out);
     if (chains) fputs(", \\\n $contacts using 1:2:3:4:5 with vectors arrowstyle variable notitle", out);
     if (walls) fprintf(out, ", \\\n $walls with vectors nohead lw 2.5 lc rgb '%s' notitle", WALL);
     if (style->stress) fputs(", \\\n $stress using 1:2:3:4:5 with vectors arrowstyle variable notitle", out);
-    char unit[40];
-    if (chains && !style->stress) {
-        fprintf(out, ", \\\n NaN with vectors arrowstyle %d title ", find_colours().classes);
-        put_quoted(out, "normal force %s%.4g%s", largest_force(f) > s->force ? "at least " : "", s->force,
-                   unit_after(scene->force, unit));
-    }
-    if (style->stress) {
-        fputs(", \\\n NaN with vectors arrowstyle 50 title ", out);
-        put_quoted(out, "principal stress, largest %.4g %s/%s", s->stress, scene->force, scene->length);
-    }
-    fputs(chains || style->stress ? " noenhanced\n" : "\n", out);
+    fputc('\n', out);
     if (style->base) put_panel(arena, scene, f, s, out);
     rp_arena_release(arena, mark);
     return ferror(out) ? rp_fail(RP_IO, "gnuplot ended early") : status;

@@ -104,7 +104,7 @@ static size_t rows_of(const export_frames *f, double step, bool one, size_t *fir
 
 static rp_status add_source(rp_arena *arena, const char *path, const char *color, view_scene *scene)
 {
-    const char *names[] = {"?step", "?t", "x", "y", "r", *color ? color : NULL, NULL};
+    const char *names[] = {"?step", "?t", "x", "y", "r", "?fixed", *color ? color : NULL, NULL};
     const char *base = rp_ends_in(path, "disks.tsv") ? export_beside(arena, path, "base.tsv") : NULL,
                *energy = rp_ends_in(path, "states.tsv") ? export_beside(arena, path, "energy.tsv") : NULL;
     numbers g, c, w, b, e;
@@ -115,13 +115,13 @@ static rp_status add_source(rp_arena *arena, const char *path, const char *color
     RP_TRY(read_walls(arena, path, &w, &walls));
     RP_TRY(read_numbers(arena, base, (const char *const[]){"x", "N/mg", NULL}, "x N/mg", &b));
     if (g.n == 0) return RP_OK;
-    const double *x = g.column[2], *y = g.column[3], *r = g.column[4], *value = g.column[5];
+    const double *x = g.column[2], *y = g.column[3], *r = g.column[4], *value = g.column[6];
     for (size_t k = 0; k < g.n; k++)
         if (!(isfinite(x[k] + y[k]) && r[k] > 0.0 && isfinite(r[k])))
             return rp_fail(RP_BAD_INPUT, "%s: row %zu: x, y and a radius above 0 expected", path, k + 1);
     snprintf(scene->length, sizeof scene->length, "%s", g.unit[2]);
     snprintf(scene->time, sizeof scene->time, "%s", g.unit[1]);
-    if (*color) snprintf(scene->quantity, sizeof scene->quantity, "%s", g.unit[5]);
+    if (*color) snprintf(scene->quantity, sizeof scene->quantity, "%s", g.unit[6]);
     RP_TRY(read_numbers(arena, energy, (const char *const[]){"step", "t", NULL}, "step t", &e));
     export_frames grains = split(arena, &g);
     const export_frames energies = split(arena, &e), of_contacts = split(arena, &c),
@@ -141,6 +141,7 @@ static rp_status add_source(rp_arena *arena, const char *path, const char *color
                                             .x = x + i,
                                             .y = y + i,
                                             .r = r + i,
+                                            .fixed = g.column[5] + i,
                                             .value = value ? value + i : NULL,
                                             .n_contacts = n_c,
                                             .contacts = contacts + ci,

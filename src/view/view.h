@@ -27,6 +27,7 @@ typedef struct {
     double step, t; /* NaN: unknown */
     size_t n, n_contacts, n_walls, n_base;
     const double *x, *y, *r, *value; /* of the grains; `value` is what colours them, or NULL */
+    const double *fixed;             /* above 0: one that never moves; NaN, or NULL: unknown */
     const view_contact *contacts;    /* the weakest first */
     const view_wall *walls;
     const double *base_x, *base_force; /* forces on the base that the contacts do not show */

@@ -21,7 +21,7 @@
     X(BOOL, base, "", "false", "", "vertical force a unit length on the base, below the picture")            \
     X(REAL, cell, "", "auto", "(0, inf) | auto",                                                             \
       "width of the cells of the stress and of the bins of the base, in the table's unit; auto: three mean " \
-      "diameters")                                                                                           \
+      "diameters, in a narrow pile one, or an eighth of its width")                                          \
     X(TEXT, window, "", "auto", "", "X0,X1,Y0,Y1: part that is shown; auto: all grains")                     \
     X(REAL, width, "cm", "18", "[8, 60]", "width of the picture")                                            \
     X(REAL, fps, "1/s", "10", "[0.1, 50]", "frames a second of an animation")
@@ -231,7 +231,8 @@ const cli_command cmd_view = {
     "DIR: folder of `repose run -o`, for a scene or for one run of a sweep (its stages are the frames; of an "
     "experiment the ends of its phases), or of `repose pile -o`. TABLE: one of its tables of grains, or any "
     "table with columns x, y, r. Width and darkness of a line between two centres show the normal force; "
-    "orange: tension. Lengths and forces have the units of the tables. All frames of an animation have one "
+    "orange: tension. A fixed grain has a dark core. Gravity is not drawn, no table has it. Lengths and "
+    "forces have the units of the tables. All frames of an animation have one "
     "scale: the widest line stands for a force that a quarter of the frames exceed. gnuplot draws the "
     "pictures. An .mp4 file needs ffmpeg.",
     "repose view out -o pile.png --color contacts",

@@ -37,7 +37,9 @@ static rp_status check_material(const dem_definition *def, const dem_material *c
 
 rp_status dem_wall_check(const dem_wall *w)
 {
-    if (!(fabs(rp_hypot(w->direction[0], w->direction[1]) - 1.0) < 1e-9) || !are_finite(2, w->point))
+    if (!are_finite(2, w->point))
+        return rp_fail(RP_BAD_INPUT, "point = [%g, %g]: finite numbers expected", w->point[0], w->point[1]);
+    if (!(fabs(rp_hypot(w->direction[0], w->direction[1]) - 1.0) < 1e-9))
         return rp_fail(RP_BAD_INPUT, "direction = [%g, %g]: a unit vector expected", w->direction[0],
                        w->direction[1]);
     if (!(w->extent[0] < w->extent[1]))
@@ -188,6 +190,9 @@ rp_status dem_laws_check(const dem_definition *def)
     RP_TRY(check_number("skin", def->skin, 0.0, "[0, inf)"));
     if (!are_finite(2, def->gravity) || !(fabs(def->turn_per_step) < 1.0))
         return rp_fail(RP_BAD_INPUT, "gravity and its turn must be finite, the turn below one radian a step");
+    if (isnan(def->x_min) || isnan(def->x_max) || isnan(def->y_min))
+        return rp_fail(RP_BAD_INPUT, "x_min = %g, x_max = %g, y_min = %g: numbers expected, or infinite",
+                       def->x_min, def->x_max, def->y_min);
     if (!(fabs(def->box_turn_per_step) < 1.0))
         return rp_fail(RP_BAD_INPUT, "box_turn_per_step = %g: out of range, allowed: below one radian a step",
                        def->box_turn_per_step);
@@ -221,7 +226,7 @@ static rp_status check_contacts(const dem_definition *def)
             (with_wall && (c->wall < 0 || (size_t)c->wall >= def->n_walls)))
             return rp_fail(RP_BAD_INPUT,
                            "contact %zu: of grain %u with %s %d: there are %zu grains and %zu walls", k + 1,
-                           c->id_a, with_wall ? "wall" : "grain", with_wall ? c->wall : (int)c->id_b,
+                           c->id_a, with_wall ? "wall" : "grain", with_wall ? c->wall + 1 : (int)c->id_b,
                            def->n_grains, def->n_walls);
         if (!isfinite(c->shear_spring) || !isfinite(c->rolling_spring))
             return rp_fail(RP_BAD_INPUT, "contact %zu: springs of %g and %g: must be finite", k + 1,
