@@ -184,7 +184,7 @@ static void read_numbers(const dem_sim *sim, size_t n, const dem_state *s, size_
     dem_rest rest = {0};
     memset(&number, 0, sizeof number);
     number.step = (double)exp_steps(now->run), number.t = dem_time(sim), number.grains = (double)n;
-    number.done = exp_done(now->run), number.dt = def->dt;
+    number.done = exp_done(now->run) + (dem_sim_fault(sim) != DEM_FAULT_NONE), number.dt = def->dt;
     number.mu = def->material.mu, number.mu_roll = def->material.mu_roll, number.k_n = def->material.k_n;
     if (rp_lets_constant(&now->text.lets, RP_LET_D, &number.d)) number.d = NAN;
     dem_gravity(sim, number.gravity);

@@ -55,7 +55,7 @@ const sliders = {
   D: { name: 'width of the outlet', unit: 'cm', range: [0.6, 4, 0.1] },
   scatter: { name: 'scatter of the radii', unit: 'of the mean', range: [0, 0.3, 0.01] },
 };
-let kind = 'box', p = { ...kinds.box.start }, was = { ...p } /* p: of the sliders; was: what the pile has */, own /* a text that was given */, running = false, frame = null, busy = false, held = 0;
+let kind = 'box', p = { ...kinds.box.start }, was = { ...p } /* p: of the sliders; was: what the pile has */, own /* a text that was given */, chosen = kind, running = false, frame = null, busy = false, held = 0;
 let queue = Promise.resolve(), version = 0, theta_t = NaN, rested = true, tilting = '', outcome = '', hand = false, seen = { rate: 1, at: 0, steps: 0, fps: 60 }, fault = false, gone = [];
 /* ---- the text of what is done: phases, each with its steps ---- */
 let record = { source: '', head: '', closed: [], live: [], begun: 0 };
@@ -111,15 +111,17 @@ function one_by_one(job, set = {}) { /* true if it went well; what it was to set
     .then(async (good) => { held--; if (running && frame) show(); else await once(); return good; });
 }
 function advice(message) {
-  const what = /that turns/.test(message) ? 'Start again, and tilt gravity instead.' : /touch|no place|overlap/.test(message) ? 'Choose a free place.'
+  const what = /that turns/.test(message) ? 'Start again, and tilt gravity instead.' : /^overlap /.test(message) ? 'Choose a larger stiffness.' : /touch|no place|overlap/.test(message) ? 'Choose a free place.'
     : /dt = /.test(message) ? 'Choose a smaller stiffness or speed, or fewer grains or a wider box.' : /room/.test(message) ? 'Choose fewer grains or a wider box.' : /= inf/.test(message) ? 'Choose a rate above 0.' : 'Change it, or start again.';
   return `${message[0].toUpperCase()}${message.slice(1)}. ${what}`;
 }
 function say(text, bad) { $('say').textContent = text; $('say').className = bad ? 'bad' : ''; }
 /* ---- start, run, read ---- */
-function start(text, set) {
+function start(text, set, next) { /* next: an experiment that has been chosen, not another since */
   return one_by_one(async () => {
     await engine;
+    if (next && next !== chosen) return;
+    if (next && own !== undefined) view(next);
     version++, running = false;
     const values = { ...was, ...set };
     open_record(await ask('start', text ?? source(`${kind}.cfg`), text === undefined ? kinds[kind].changes(values) : ''));
@@ -173,8 +175,8 @@ async function read(seconds, most) {
     outcome = `The pile moves at a tilt of ${theta_t.toFixed(1)}°${rested ? '' : ', but it was not at rest before'}. The same button tilts on.`;
   }
   if (f.fault) {
-    running = false, fault = !n.done, tell(true);
-    say(n.done ? `The experiment has ended without a result: ${f.fault}. “Run” goes on.` : advice(f.fault), true);
+    running = false, fault = n.done !== 1, tell(true); /* 2: the grains can't go on */
+    say(!fault ? `The experiment has ended without a result: ${f.fault}. “Run” goes on.` : advice(f.fault), true);
   }
   const news = running && (frame.where !== told || n.done);
   if (frame.where !== told) follow();
@@ -203,7 +205,7 @@ async function pump() {
   if (f.done * f.n.dt < 0.9 * wanted) pump();
 }
 function play(on) {
-  if (on && frame && frame.n.done) { act('').then((good) => good && play(true)); return; }
+  if (on && frame && frame.n.done && !fault) { act('').then((good) => good && play(true)); return; }
   running = on && !fault, $('record').open &&= !running;
   tell();
 }
@@ -342,7 +344,6 @@ function draw_rays(px, { columns, x0, at }) {
   pen.setLineDash([10 * px, 4 * px, 2 * px, 4 * px]), pen.beginPath(); pen.moveTo(foot, 0); pen.lineTo(foot - back * (map.ct + rise * map.st), back * (rise * map.ct - map.st)); pen.stroke();
   pen.setLineDash([]);
 }
-
 /* Is the wall open, the cylinder lifted, the drum turned? */
 const begun = () => passed().some((b) => /open = |velocity = |omega = /.test(b));
 /* ---- words and numbers ---- */
@@ -421,11 +422,12 @@ function label(key) {
   $(`of-${key}`).innerHTML = Number.isFinite(v) ? `${v >= 1e4 ? power(v) : s.range[2] >= 1 ? v : v.toFixed(s.range[2] < 0.1 ? 2 : 1)} <small>${s.unit || ''}</small>` : '–';
   $(`in-${key}`).disabled = !!(s.off && s.off(p));
 }
-function choose(next) {
-  kind = next, p = { ...kinds[kind].start }, was = { ...p }; document.querySelector(`#tabs input[value=${kind}]`).checked = true;
+function view(next) {
+  kind = next, p = { ...kinds[kind].start }, was = { ...p };
+  document.querySelector(`#tabs input[value=${kind}]`).checked = true;
   make_sliders();
-  return start(undefined, { ...p });
 }
+function choose(next) { view(chosen = next); return start(undefined, { ...p }, next); }
 $('tabs').innerHTML = Object.entries(kinds).filter(([, k]) => k.act).map(([key, k]) => `<label><input type="radio" name="kind" value="${key}">${k.name}</label>`).join('');
 $('tabs').onchange = (e) => choose(e.target.value);
 const jobs = { act: do_act, play: () => play(!running), again: () => start(own), pour, left: () => tilt(-1), right: () => tilt(1), stop: () => tilt(0), read: () => start($('text').value) };

@@ -93,6 +93,9 @@ async function main() {
   await set('in-N', 200);
   check(/rate above 0/.test(await say()) && await value('p.N === 440'), `a drum that stands: ${await say()}`);
 
+  await value("Promise.all(['hopper', 'box', 'drum', 'box', 'cylinder'].map(choose))");
+  check(await value('kind === "cylinder" && Object.keys(p).every((k) => p[k] === was[k]) && frame.n.grains === 600'), `experiments chosen at once: ${await say()}`);
+
   // Outflow, read at any pace as the program has it
   await value("choose('hopper')");
   await set('speed', '100');
