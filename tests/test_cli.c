@@ -109,10 +109,12 @@ static void test_wrong_usage(void)
         {64, "unknown option --J (did you mean -j?)", "sweep run d --J 2"},
         {64, "unknown option --quiet=1",
          "sweep run d --quiet=1"}, /* no value; the first option, and a later one */
+        {64, "unknown option -q", "sweep run d -q"},
         {64, "unknown option -q", "sweep export d --reduce -qz"},
         {64, "unknown option -j; see repose sweep export --help", "sweep export d -j2"},
         {64, "unknown option -j; see repose lattice --help", "lattice -j 2"},
         {65, "-j = 0: out of range, allowed: [1, 256]", "run s.cfg -j 0"},
+        {65, "-j = 0: out of range, allowed: [1, 256]", "bench -j 0"},
         {64, "option --layers needs a value", "lattice --layers"},
         {64, "option -o needs a value", "sweep plan s.cfg -o"},
         {64, "--alpha-deg is required", "continuum"},
@@ -125,6 +127,7 @@ static void test_wrong_usage(void)
         {64, "--base needs --alpha-deg", "lattice --base 5"},
         {64, "usage: repose lattice", "lattice --layers 5 6"},
         {64, "usage: repose angle slope FILE", "angle slope --width 4"},
+        {64, "give a file, or --resume DIR", "run"},
         {64, "-o: empty; leave it out", "run s.cfg -o ''"},
         {64, "--resume: empty", "run s.cfg --resume ''"},
     };
@@ -343,6 +346,7 @@ static void test_bad_values(void)
         {65, "--form = \"frob\": unknown word, allowed: balanced",
          "angle tilt --mu 1 --theta-r-deg 3 --form frob"},
         {65, "none.tsv: cannot read", "angle slope none.tsv --width 4"},
+        {65, "none.tsv: cannot read", "angle compare none.tsv"},
         {65, "none.tsv: cannot read", "stats fit none.tsv -x a -y b --se c"},
         {65, "short.tsv:2", "angle slope short.tsv --width 4"},
         {65, "empty.tsv: no grains", "angle slope empty.tsv --width 4"},
@@ -352,6 +356,8 @@ static void test_bad_values(void)
         {65, "none.cfg: cannot read", "sweep plan none.cfg -o d"},
         {65, "none: no such folder", "sweep run none"},
         {65, "none/sweep.cfg: cannot read", "sweep status none"},
+        {65, "none/sweep.cfg: cannot read", "sweep export none"},
+        {65, "none/sweep.cfg: cannot read", "sweep digest none"},
         {65, "-j = 0: out of range", "sweep run none -j 0"},
     };
     write_text("short.tsv", "1 2 0.1\n1 2\n");
@@ -465,7 +471,9 @@ static void test_broken_output(void)
         {74, "file: not a directory", "run scene.cfg -o file"},
         {74, "file/d", "run s.cfg -o file/d"},
         {74, "garbage/store.sqlite: cannot read the store", "sweep run garbage"},
+        {74, "garbage/store.sqlite: cannot read the store", "sweep status garbage"},
         {74, "garbage/store.sqlite: cannot read the store", "sweep export garbage"},
+        {74, "garbage/store.sqlite: cannot read the store", "sweep digest garbage"},
         {74, "garbage/store.sqlite: cannot read the store", "sweep plan s.cfg -o garbage"},
     };
     static const char *const writers[] = {

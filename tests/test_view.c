@@ -989,6 +989,8 @@ static void test_refusals(void)
     FAILS(65, "flat.tsv: row 1: x, y and a radius above 0 expected", "view flat.tsv -o a.svg");
     FAILS(65, "no column \"age\"", "view . -o a.svg --color age");
     FAILS(65, "there are frames 0 to 0, steps 7 to 7", "view . -o a.svg --frame 1");
+    FAILS(64, "last, all, a number or step=N", "view . -o a.svg --frame first");
+    FAILS(64, "X0 < X1 and Y0 < Y1", "view . -o a.svg --window 1,0,0,1");
     FAILS(65, "more than 100000 cells", "view . -o a.svg --base --cell 1e-4");
     write_text("far.tsv", "x\ty\tr\n1\t2\t1\n1e200\t1e200\t1\n");
     FAILS(65, "no window holds the grains: x over 1e+200", "view far.tsv -o a.svg");
