@@ -231,7 +231,7 @@ const cli_command cmd_view = {
     "DIR: folder of `repose run -o`, for a scene or for one run of a sweep (its stages are the frames; of an "
     "experiment the ends of its phases), or of `repose pile -o`. TABLE: one of its tables of grains, or any "
     "table with columns x, y, r. Width and darkness of a line between two centres show the normal force; "
-    "orange: tension. A fixed grain has a dark core. Gravity is not drawn, no table has it. Lengths and "
+    "orange: tension. A fixed grain has a dark core. Gravity is not drawn: no table has it. Lengths and "
     "forces have the units of the tables. All frames of an animation have one "
     "scale: the widest line stands for a force that a quarter of the frames exceed. gnuplot draws the "
     "pictures. An .mp4 file needs ffmpeg.",

@@ -91,8 +91,8 @@ rp_status dem_text_scene(dem_text *text, dem_scene *scene)
                                   "%s: needs phases, as in phases = ( { name = \"run\"; steps = %ld; } );",
                                   *key, scene->steps);
     RP_TRY(dem_read_grains(text->path, root, scene));
-    /* seed and run of the text go before those of its first fill, and are for what phases add too */
     RP_TRY(check_seeds(root));
+    /* seed and run of the text go before those of its first fill, and are for what phases add too */
     rp_params_defaults(SCHEMA(FILL), &streams);
     if (scene->fills) streams = *scene->fills;
     RP_TRY(rp_config_peek(root, SCHEMA(FILL), "seed run", &streams));
