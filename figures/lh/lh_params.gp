@@ -15,7 +15,7 @@ set print
 y = 'theta_r3_deg_mean'
 se = 'theta_r3_deg_se'
 set ylabel '{/:Italic θ}_R (degrees), method 3'
-set yrange [13:22]
+set yrange [12:22]
 set logscale x
 set format x '10^{%T}'
 eval panel(1, '(a) normal stiffness')

@@ -1,5 +1,6 @@
 /* What a plan's numbers depend on, and whether its time step can work. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "core/elementary.h"
@@ -7,29 +8,45 @@
 #include "experiment/private.h"
 #include "params/config.h"
 
-static void put(FILE *out, rp_arena *arena, const char *key, const exp_expression *e)
+/* A text in the making, and the measures that it names so far. */
+typedef struct {
+    const exp_plan *plan;
+    rp_arena *arena;
+    FILE *out;
+    bool *asked;
+} writer;
+
+static void put(const writer *w, const char *key, const exp_expression *e)
 {
-    const char *text = e->x.text || e->x.known ? rp_expression_key(arena, &e->x) : NULL;
+    const char *text = e->x.text || e->x.known ? rp_expression_key(w->arena, &e->x) : NULL;
+    int id;
     if (text)
-        fprintf(out, " %s=[%s]", key,
+        fprintf(w->out, " %s=[%s]", key,
                 e->x.known && e->x.n == 0 ? rp_number_text(e->x.value, 6, (char[32]){0}, 32) : text);
+    for (size_t k = 0; (id = rp_expression_asks(&e->x, k)) >= 0; k++)
+        for (size_t m = 0; id >= EXP_ID_MEASURE && m < w->plan->n_measures; m++)
+            w->asked[m] |=
+                (size_t)(id - EXP_ID_MEASURE) - w->plan->measures[m].output < w->plan->measures[m].n_outputs;
 }
 
-static void put_add(FILE *out, rp_arena *arena, const exp_add *a)
+static void put_add(const writer *w, const exp_add *a)
 {
+    FILE *const out = w->out;
     const exp_expression *const e[] = {&a->n,    &a->r,  &a->density, &a->x[0],  &a->x[1], &a->y[0],
                                        &a->y[1], &a->vx, &a->vy,      &a->omega, &a->gap};
     const dem_fill *f = &a->radii;
     fprintf(out, " add kind=%s range=%d r=%d", a->kind < 0 ? "" : a->kind_name, a->in_range,
             exp_given(&a->r));
-    for (size_t k = 0; k < sizeof e / sizeof *e; k++) put(out, arena, "e", e[k]);
+    for (size_t k = 0; k < sizeof e / sizeof *e; k++) put(w, "e", e[k]);
     fprintf(out, " radii %a %a %a %a %d %d", f->radius_mean, f->radius_width, f->radius_min, f->radius_max,
             f->law, f->by);
     for (size_t k = 0; k < 2 * f->n_radii; k++) fprintf(out, " %a", f->radii[k]);
 }
 
-static void put_phase(FILE *out, rp_arena *arena, const exp_plan *plan, const exp_phase *p)
+static void put_phase(const writer *w, const exp_phase *p)
 {
+    const exp_plan *const plan = w->plan;
+    FILE *const out = w->out;
     static const char *const ends[] = {"steps", "time", "until"};
     if (p->left_out) return;
     fprintf(out, "phase %s of %ld every=%ld least=%ld most=%ld on=%d mark=%d status=%s repeat=%ld", p->name,
@@ -41,85 +58,154 @@ static void put_phase(FILE *out, rp_arena *arena, const exp_plan *plan, const ex
     if (p->has_laws) {
         fputc(' ', out);
         dem_laws_write(&p->laws, out);
-        for (size_t w = 0; w < plan->scene.def.n_walls; w++)
+        for (size_t i = 0; i < plan->scene.def.n_walls; i++)
             for (size_t k = 0; k < sizeof *p->given / sizeof(double); k++)
-                fprintf(out, " %a", ((const double *)&p->given[w])[k]);
+                fprintf(out, " %a", ((const double *)&p->given[i])[k]);
     }
-    if (p->add.on) put_add(out, arena, &p->add);
+    if (p->add.on) put_add(w, &p->add);
     if (p->opens >= 0) fprintf(out, " open=%s", plan->walls[p->opens].name);
-    put(out, arena, ends[p->ending], &p->end);
+    put(w, ends[p->ending], &p->end);
     for (int k = 0; k < 2; k++) {
-        put(out, arena, "g", &p->gravity[k]);
-        put(out, arena, k ? "box" : "turn", &p->turn[k]);
+        put(w, "g", &p->gravity[k]);
+        put(w, k ? "box" : "turn", &p->turn[k]);
     }
     for (size_t k = 0; k < p->n_moves; k++) {
         const exp_move *m = &p->moves[k];
         fprintf(out, " wall %s", plan->walls[m->wall].name);
-        for (int c = 0; c < 2; c++) put(out, arena, "v", &m->velocity[c]);
-        put(out, arena, "omega", &m->omega);
+        for (int c = 0; c < 2; c++) put(w, "v", &m->velocity[c]);
+        put(w, "omega", &m->omega);
         for (int c = 0; c < 2; c++) {
             if (m->loading[c] != EXP_SAME) fprintf(out, " load %d %d", c, m->loading[c]);
-            if (m->loading[c] == EXP_LOADED) put(out, arena, "load", &m->load[c]);
+            if (m->loading[c] == EXP_LOADED) put(w, "load", &m->load[c]);
         }
-        put(out, arena, "speed", &m->speed);
+        put(w, "speed", &m->speed);
     }
-    for (size_t k = 0; k < p->n_fails; k++) put(out, arena, p->fails[k].word, &p->fails[k].when);
+    for (size_t k = 0; k < p->n_fails; k++) put(w, p->fails[k].word, &p->fails[k].when);
     fputc('\n', out);
 }
 
-char *exp_key(const exp_plan *plan, size_t end)
+static void put_measure(const writer *w, const exp_measure *m)
 {
-    char *text = NULL;
-    size_t size = 0;
-    RP_SCOPE(arena);
+    const exp_plan *const plan = w->plan;
+    FILE *const out = w->out;
+    if (m->left_out) return;
+    fprintf(out, "measure %s in %s take=%d during=%d every=%ld skip=%a optional=%d", m->name,
+            plan->phases[m->phase].name, m->take, *m->during != '\0', m->every, m->skip, m->optional);
+    put(w, "of", &m->of);
+    put(w, "when", &m->when);
+    put(w, "event", &m->event);
+    put(w, "against", &m->against);
+    if (m->take == TAKE_AVALANCHES) fprintf(out, " drop=%a", m->drop);
+    if (*m->level_of) fprintf(out, " level_of=%s", m->level_of), w->asked[m->levels_with] = true;
+    const bool named =
+        config_setting_get_member(m->setting, "columns") || config_setting_get_member(m->setting, "prefix");
+    for (size_t o = 0; named && o < m->n_outputs; o++)
+        fprintf(out, " column=%s", plan->outputs[m->output + o].name);
+    if (m->module) {
+        fprintf(out, " module=%s %ld in=%s ", m->module->name, m->pick, m->in);
+        if (m->module->needs & EXP_ON_WALL) fprintf(out, "wall=%s ", m->wall);
+        rp_config_write(out, m->module->schema, m->params);
+    }
+    fputc('\n', out);
+}
+
+/* The scene, and phases before `end`. */
+static void put_scene(const writer *w, size_t end)
+{
+    const exp_plan *const plan = w->plan;
+    FILE *const out = w->out;
     dem_scene scene = plan->scene;
     scene.def.kernel = DEM_FAST;
     scene.def.ledger = false;
     scene.steps = 0;
     scene.seed = scene.run = 0;
     for (size_t k = 0; k < scene.n_fills; k++) scene.fills[k].seed = scene.fills[k].run = 0;
-    FILE *out = open_memstream(&text, &size);
-    if (!out) return NULL;
     dem_scene_write(&scene, out);
     fprintf(out, "rest %a %a %ld %ld\n", plan->rest.energy, plan->rest.force, plan->rest.looks,
             plan->rest.every);
     for (size_t k = 0; k < plan->n_regions; k++) {
         const exp_region *r = &plan->regions[k];
         fprintf(out, "region %s", r->name);
-        for (int c = 0; c < 3 && r->circle; c++) put(out, &arena, "circle", &r->at[c]);
+        for (int c = 0; c < 3 && r->circle; c++) put(w, "circle", &r->at[c]);
         for (int c = 0; c < 2 && !r->circle && !r->n_points; c++)
-            put(out, &arena, "x", &r->at[c]), put(out, &arena, "y", &r->at[2 + c]);
-        for (size_t c = 0; c < 2 * r->n_points; c++) put(out, &arena, "p", &r->points[c]);
+            put(w, "x", &r->at[c]), put(w, "y", &r->at[2 + c]);
+        for (size_t c = 0; c < 2 * r->n_points; c++) put(w, "p", &r->points[c]);
         fputc('\n', out);
     }
-    for (size_t k = 0; k < end && k < plan->n_phases; k++) put_phase(out, &arena, plan, &plan->phases[k]);
-    for (size_t k = 0; k < plan->n_measures; k++) {
-        const exp_measure *m = &plan->measures[k];
-        if (m->left_out || m->phase >= end) continue;
-        fprintf(out, "measure %s in %s take=%d during=%d every=%ld skip=%a optional=%d", m->name,
-                plan->phases[m->phase].name, m->take, *m->during != '\0', m->every, m->skip, m->optional);
-        put(out, &arena, "of", &m->of);
-        put(out, &arena, "when", &m->when);
-        put(out, &arena, "event", &m->event);
-        put(out, &arena, "against", &m->against);
-        if (m->take == TAKE_AVALANCHES) fprintf(out, " drop=%a", m->drop);
-        if (*m->level_of) fprintf(out, " level_of=%s", m->level_of);
-        const bool named = config_setting_get_member(m->setting, "columns") ||
-                           config_setting_get_member(m->setting, "prefix");
-        for (size_t o = 0; named && o < m->n_outputs; o++)
-            fprintf(out, " column=%s", plan->outputs[m->output + o].name);
-        if (!m->module) {
-            fputc('\n', out);
-            continue;
-        }
-        fprintf(out, " module=%s %ld in=%s ", m->module->name, m->pick, m->in);
-        if (m->module->needs & EXP_ON_WALL) fprintf(out, "wall=%s ", m->wall);
-        rp_config_write(out, m->module->schema, m->params);
-        fputc('\n', out);
+    for (size_t k = 0; k < end && k < plan->n_phases; k++) put_phase(w, &plan->phases[k]);
+}
+
+char *exp_key(const exp_plan *plan)
+{
+    char *text = NULL;
+    size_t size = 0;
+    RP_SCOPE(arena);
+    const writer w = {plan, &arena, open_memstream(&text, &size),
+                      rp_arena_memory(&arena, plan->n_measures, sizeof *w.asked)};
+    if (!w.out) return NULL;
+    if (w.asked) {
+        put_scene(&w, SIZE_MAX);
+        for (size_t k = 0; k < plan->n_measures; k++) put_measure(&w, &plan->measures[k]);
+        fprintf(w.out, "result %s\n", plan->result);
     }
-    fprintf(out, "result %s\n", plan->result);
-    fclose(out);
+    fclose(w.out);
+    if (!w.asked) free(text), text = NULL;
     return text;
+}
+
+/* Add what has been written since the last time. */
+static void add_text(const writer *w, char *const *text, const size_t *size, size_t *from, XXH128_hash_t *sum)
+{
+    fflush(w->out);
+    *sum = rp_hash_add(*sum, XXH3_128bits(*text + *from, *size - *from));
+    *from = *size;
+}
+
+/* Of the scene and phases before `end`, SIZE_MAX: no scene; of the measures that are asked, or that one of
+ * these asks: they ask earlier ones alone. */
+static bool hash(const exp_plan *plan, bool scene, size_t end, bool asked[], XXH128_hash_t *sum)
+{
+    char *text = NULL;
+    size_t size = 0, from = 0;
+    RP_SCOPE(arena);
+    const writer w = {plan, &arena, open_memstream(&text, &size), asked};
+    *sum = (XXH128_hash_t){0};
+    if (!w.out) return false;
+    if (scene) {
+        put_scene(&w, end);
+        fprintf(w.out, "adds %d result %s\n", plan->adds, plan->result);
+        add_text(&w, &text, &size, &from, sum);
+    }
+    for (size_t k = plan->n_measures; k-- > 0;) {
+        if (!asked[k] || plan->measures[k].left_out) continue;
+        put_measure(&w, &plan->measures[k]);
+        add_text(&w, &text, &size, &from, sum);
+    }
+    fclose(w.out);
+    free(text);
+    return true;
+}
+
+bool exp_hash(const exp_plan *plan, const char *const outputs[], size_t n, size_t end, XXH128_hash_t *sum)
+{
+    bool *asked = calloc(plan->n_measures + 1, sizeof *asked), known = asked != NULL;
+    for (size_t k = 0; k < n && known; k++) {
+        size_t output;
+        const exp_measure *m = exp_measure_of(plan, outputs[k], &output);
+        known = m != NULL;
+        if (m) asked[m - plan->measures] = true;
+    }
+    known = known && hash(plan, true, end, asked, sum);
+    free(asked);
+    return known;
+}
+
+bool exp_measure_hash(const exp_plan *plan, size_t k, XXH128_hash_t *sum)
+{
+    bool *asked = calloc(plan->n_measures + 1, sizeof *asked), known = asked != NULL;
+    if (known) asked[k] = true, known = hash(plan, false, 0, asked, sum);
+    free(asked);
+    return known;
 }
 
 /* t and phase_step of a moment; NAN for all else, which only the run knows. */

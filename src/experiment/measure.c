@@ -322,6 +322,17 @@ void exp_measure_phase(exp_run *run, size_t phase)
     }
 }
 
+void exp_measure_again(exp_run *run, size_t phase, const bool known[])
+{
+    for (size_t k = 0; k < run->plan->n_measures && !run->failed; k++) {
+        const exp_measure *m = &run->plan->measures[k];
+        if (m->left_out || m->phase != phase) continue;
+        if (!known[k] && !run->at.done) measure(run, k);
+        for (size_t o = 0; known[k] && run->at.done && o < m->n_outputs; o++) /* a run ends at the first */
+            run->values[m->output + o] = NAN;
+    }
+}
+
 /* ---- series ---- */
 
 const char *exp_series_name(const exp_plan *plan, size_t k)

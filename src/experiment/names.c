@@ -75,8 +75,7 @@ static bool is_later(const exp_plan *plan, const exp_measure *m, size_t k)
     return !m->left_out && m->phase > here && !within;
 }
 
-/* The measure with an output of this name; NULL: there is none. */
-static const exp_measure *measure_of(const exp_plan *plan, const char *name, size_t *output)
+const exp_measure *exp_measure_of(const exp_plan *plan, const char *name, size_t *output)
 {
     for (const exp_measure *m = plan->measures; m < plan->measures + plan->n_measures; m++)
         for (*output = m->output; *output < m->output + m->n_outputs; ++*output)
@@ -88,7 +87,7 @@ static rp_status find_measure(const exp_place *place, const char *name, rp_x_sym
 {
     const exp_plan *plan = place->plan;
     size_t output;
-    const exp_measure *m = measure_of(plan, name, &output);
+    const exp_measure *m = exp_measure_of(plan, name, &output);
     if (!m) return RP_OK;
     const bool during = (m->take == TAKE_FIRST || m->take == TAKE_MAX || m->take == TAKE_MIN) &&
                         m->phase == place->phase && m->skip == 0.0 && !*m->level_of;
@@ -109,7 +108,7 @@ static rp_status check_alone(const exp_place *place, const char *name)
 {
     const exp_plan *plan = place->plan;
     size_t output;
-    const exp_measure *m = measure_of(plan, name, &output);
+    const exp_measure *m = exp_measure_of(plan, name, &output);
     const size_t k = m ? (size_t)(m - plan->measures) : SIZE_MAX;
     const bool earlier = m && (place->phase == SIZE_MAX ? k < place->measure : m->phase < place->phase);
     return earlier

@@ -275,6 +275,14 @@ static void note_passed(exp_run *run, size_t phase, long passes)
     p->passes = passes, p->step = run->at.steps, p->time = dem_time(run->sim);
 }
 
+static void end_run(exp_run *run)
+{
+    if (*run->at.end.status) /* of a phase that was gone on from */
+        run->at.done = true;
+    else
+        exp_conclude(run, run->plan->result, "%s", "");
+}
+
 /* The phase that follows, or the end of the run. */
 static void go_to_next(exp_run *run)
 {
@@ -307,11 +315,7 @@ static void go_to_next(exp_run *run)
         if (run->at.done || run->failed) return;
     }
     run->at.phase = next = present(plan, next, plan->n_phases);
-    if (next < plan->n_phases) return;
-    if (*run->at.end.status) /* of a phase that was gone on from */
-        run->at.done = true;
-    else
-        exp_conclude(run, plan->result, "%s", "");
+    if (next == plan->n_phases) end_run(run);
 }
 
 static void end_phase(exp_run *run)
@@ -518,11 +522,21 @@ static void keep_ids(rp_snapshot *s, exp_run *run)
 
 uint64_t exp_keep_layout(void)
 {
-    return sizeof((exp_run *)NULL)->at << 10 ^ sizeof(exp_sampled);
+    return sizeof((exp_run *)NULL)->at << 10 ^ sizeof(exp_sampled) ^ 1;
 }
 
-/* n: of how many phases the ends are kept. */
-static void keep_state(rp_snapshot *s, exp_run *run, size_t n)
+static void keep_measure(rp_snapshot *s, exp_run *run, size_t k)
+{
+    const exp_measure *m = &run->plan->measures[k];
+    keep_array(s, &run->values[m->output], m->n_outputs);
+    keep_samples(s, &run->samples[k]);
+    if (!run->samples[k].sums) return;
+    RP_KEEP(s, run->samples[k].taken);
+    keep_array(s, run->samples[k].sums, m->module->room(m->params));
+}
+
+/* All but measures, with the counters of their samples, and ends to go back to; the first n phases. */
+static void keep_place(rp_snapshot *s, exp_run *run, size_t n)
 {
     const exp_plan *p = run->plan;
     RP_KEEP(s, run->at);
@@ -533,8 +547,6 @@ static void keep_state(rp_snapshot *s, exp_run *run, size_t n)
                       has_laws(p, &run->at.now) && memchr(run->at.end.status, 0, sizeof run->at.end.status) &&
                       memchr(run->at.end.message, 0, sizeof run->at.end.message),
                   "a place that no run is at");
-    keep_array(s, run->counters, p->n_states);
-    keep_array(s, run->values, p->n_outputs);
     for (size_t k = 0; k < n; k++) {
         exp_passed *passed = &run->passed[k];
         RP_KEEP(s, passed->passes);
@@ -548,14 +560,6 @@ static void keep_state(rp_snapshot *s, exp_run *run, size_t n)
         rp_keep(s, gsl_rng_state(run->random[k]), gsl_rng_size(run->random[k]));
         rp_keep_check(s, rp_random_is_whole(run->random[k]), "a random stream that is none");
     }
-    for (size_t k = 0; k < p->n_measures && !s->status; k++) {
-        keep_samples(s, &run->samples[k]);
-        if (!run->samples[k].sums) continue;
-        RP_KEEP(s, run->samples[k].taken);
-        keep_array(s, run->samples[k].sums, p->measures[k].module->room(p->measures[k].params));
-    }
-    for (size_t k = 0; k < p->n_phases && !s->status; k++)
-        if (p->phases[k].is_source) keep_saved(s, p, &run->saved[k]);
     if (!s->status) keep_sim(s, &run->sim);
     run->fresh = false;
 }
@@ -578,17 +582,132 @@ static void keep_bytes(rp_snapshot *s, rp_snapshot *kept)
 
 void exp_keep(rp_snapshot *s, exp_run *run)
 {
-    keep_state(s, run, run->plan->n_phases);
-    for (size_t k = 0; k < run->plan->n_phases && !s->status; k++)
-        if (run->plan->phases[k].keep) keep_bytes(s, &run->kept[k]);
+    const exp_plan *p = run->plan;
+    keep_place(s, run, p->n_phases);
+    keep_array(s, run->counters, p->n_states);
+    for (size_t k = 0; k < p->n_measures && !s->status; k++) keep_measure(s, run, k);
+    for (size_t k = 0; k < p->n_phases && !s->status; k++) {
+        if (p->phases[k].is_source) keep_saved(s, p, &run->saved[k]);
+        if (p->phases[k].keep) keep_bytes(s, &run->kept[k]);
+    }
+}
+
+/* The measures up to a phase, and their hashes: another text may have others. */
+typedef struct {
+    size_t n, *which;
+    XXH128_hash_t *of;
+} measured;
+
+static rp_status find_measured(const exp_plan *plan, size_t phase, rp_arena *arena, measured *m)
+{
+    RP_NEW(arena, m->which, plan->n_measures);
+    RP_NEW(arena, m->of, plan->n_measures);
+    for (size_t k = 0; k < plan->n_measures; k++) {
+        if (plan->measures[k].left_out || plan->measures[k].phase > phase) continue;
+        m->which[m->n] = k;
+        if (!exp_measure_hash(plan, k, &m->of[m->n++])) return rp_fail(RP_NO_MEMORY, "state: out of memory");
+    }
+    return RP_OK;
+}
+
+/* Hashes of the measures, phases before that can be gone back to, the place; the bytes of each. */
+static rp_status write_end(exp_run *run, size_t phase)
+{
+    RP_SCOPE(arena);
+    rp_snapshot *const s = &run->kept[phase];
+    measured m = {0};
+    RP_TRY(find_measured(run->plan, phase, &arena, &m));
+    rp_snapshot_free(s);
+    RP_KEEP(s, m.n);
+    rp_keep(s, m.of, m.n * sizeof *m.of);
+    for (size_t k = 0; k < phase; k++) rp_keep(s, &(bool){run->saved[k].sim != NULL}, sizeof(bool));
+    keep_place(s, run, phase + 1);
+    for (size_t k = 0; k < phase; k++)
+        if (run->saved[k].sim) keep_saved(s, run->plan, &run->saved[k]);
+    for (size_t i = 0; i < m.n; i++) {
+        rp_snapshot one = {0};
+        keep_measure(&one, run, m.which[i]);
+        keep_bytes(s, &one);
+        if (one.status) s->status = one.status;
+        rp_snapshot_free(&one);
+    }
+    return s->status;
 }
 
 static void keep_end(exp_run *run, size_t phase)
 {
-    rp_snapshot *kept = &run->kept[phase];
-    rp_snapshot_free(kept);
-    keep_state(kept, run, phase + 1);
-    run->failed = kept->status;
+    run->failed = write_end(run, phase);
+}
+
+/* Read the head of an end; does it have all that a run needs of before? *known: by number of the measure. */
+static rp_status read_head(rp_snapshot *s, const exp_plan *plan, size_t phase, rp_arena *arena, measured *m,
+                           bool **known, bool **back)
+{
+    measured own = {0};
+    RP_TRY(find_measured(plan, phase, arena, &own));
+    RP_KEEP(s, m->n);
+    rp_keep_check(s, m->n <= (s->n - s->at) / sizeof *m->of, ANOTHER);
+    RP_TRY(s->status);
+    RP_NEW(arena, m->of, m->n);
+    RP_NEW(arena, m->which, m->n);
+    RP_NEW(arena, *known, plan->n_measures);
+    RP_NEW(arena, *back, phase);
+    rp_keep(s, m->of, m->n * sizeof *m->of);
+    rp_keep(s, *back, phase * sizeof **back);
+    for (size_t i = 0; i < m->n; i++) m->which[i] = SIZE_MAX;
+    for (size_t j = 0; j < own.n; j++) {
+        const exp_measure *of = &plan->measures[own.which[j]];
+        size_t i = 0;
+        while (i < m->n && !XXH128_isEqual(m->of[i], own.of[j])) i++;
+        if (i < m->n)
+            m->which[i] = own.which[j], (*known)[own.which[j]] = true;
+        else if (of->phase < phase || of->take != TAKE_VALUE)
+            return rp_fail(RP_NO_RESULT, "%s: %s is not in it", s->path, of->name);
+    }
+    for (size_t k = 0; k < phase; k++) {
+        rp_keep_check(s, rp_keep_bool(&(*back)[k]), ANOTHER);
+        if (plan->phases[k].is_source && !(*back)[k])
+            return rp_fail(RP_NO_RESULT, "%s: the end of %s is not in it", s->path, plan->phases[k].name);
+    }
+    return s->status;
+}
+
+/* What follows the end of a phase: measures that other texts lack, and the end of the run. */
+static void end_again(exp_run *run, size_t phase, const bool known[])
+{
+    const bool done = run->at.done;
+    const size_t next = run->at.phase;
+    if (run->plan->phases[phase].is_source) exp_save(run, phase);
+    if (done && strcmp(run->at.end.status, run->plan->result) == 0) *run->at.end.status = '\0';
+    run->at.phase = phase, run->at.done = false;
+    exp_measure_again(run, phase, known);
+    run->at.phase = next;
+    if (done) end_run(run);
+}
+
+rp_status exp_begin(exp_run *run, size_t k, rp_snapshot *s)
+{
+    RP_SCOPE(arena);
+    const size_t phase = run->plan->kept[k];
+    measured m = {0};
+    bool *known, *back;
+    RP_TRY(read_head(s, run->plan, phase, &arena, &m, &known, &back));
+    keep_place(s, run, phase + 1);
+    for (size_t j = 0; j < phase && !s->status; j++)
+        if (back[j]) keep_saved(s, run->plan, &run->saved[j]);
+    for (size_t i = 0; i < m.n && !s->status; i++) {
+        rp_snapshot one = {.path = s->path};
+        keep_bytes(s, &one);
+        one.reading = true;
+        if (m.which[i] != SIZE_MAX) keep_measure(&one, run, m.which[i]);
+        if (one.status) s->status = one.status;
+        rp_snapshot_free(&one);
+    }
+    RP_TRY(rp_snapshot_end(s));
+    if (run->at.phase <= phase && !run->at.done) return rp_fail(RP_BAD_INPUT, "%s: a state within", s->path);
+    end_again(run, phase, known);
+    if (!run->failed) keep_end(run, phase);
+    return run->failed;
 }
 
 size_t exp_kept_count(const exp_plan *plan)
@@ -609,25 +728,12 @@ const rp_snapshot *exp_kept(const exp_run *run, size_t k)
 rp_status exp_kept_key(const exp_plan *plan, size_t k, unsigned long seed, unsigned long stream,
                        char digits[33])
 {
-    RP_SCOPE(arena);
-    char *begun = exp_key(plan, plan->kept[k] + 1);
-    const char *whole =
-        begun ? rp_text(&arena, "%sarrays %zu %zu %zu %zu streams %lu %lu\n", begun, plan->n_states,
-                        plan->n_outputs, plan->n_measures, plan->n_loads, seed, stream)
-              : NULL;
-    free(begun);
-    if (!whole) return rp_fail(RP_NO_MEMORY, "state: out of memory");
-    rp_hash_digits(XXH3_128bits(whole, strlen(whole)), digits);
+    char text[128];
+    XXH128_hash_t hash;
+    if (!exp_hash(plan, NULL, 0, plan->kept[k] + 1, &hash))
+        return rp_fail(RP_NO_MEMORY, "state: out of memory");
+    rp_hash_digits(hash, digits);
+    snprintf(text, sizeof text, "%s streams %lu %lu", digits, seed, stream);
+    rp_hash_digits(XXH3_128bits(text, strlen(text)), digits);
     return RP_OK;
-}
-
-rp_status exp_begin(exp_run *run, size_t k, rp_snapshot *state)
-{
-    const size_t phase = run->plan->kept[k];
-    keep_state(state, run, phase + 1);
-    RP_TRY(rp_snapshot_end(state));
-    if (run->at.phase <= phase && !run->at.done)
-        return rp_fail(RP_BAD_INPUT, "%s: a state within", state->path);
-    keep_end(run, phase);
-    return run->failed;
 }

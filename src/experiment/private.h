@@ -172,6 +172,12 @@ struct exp_plan {
 const exp_scope *exp_scope_named(const exp_plan *plan, unsigned sorts, const char *name, size_t length,
                                  rp_guess *guess);
 
+/* The measure with an output of this name; NULL: there is none. */
+const exp_measure *exp_measure_of(const exp_plan *plan, const char *name, size_t *output);
+
+/* Of all that a measure is made of besides the run; false without memory. */
+bool exp_measure_hash(const exp_plan *plan, size_t k, XXH128_hash_t *sum);
+
 /* Where an expression stands: what it may name. */
 typedef struct {
     exp_plan *plan;
@@ -321,6 +327,7 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
 /* Take the samples of a look; the values of the measures of a phase that has ended. */
 void exp_sample(exp_run *run);
 void exp_measure_phase(exp_run *run, size_t phase);
+void exp_measure_again(exp_run *run, size_t phase, const bool known[]); /* at its end, those not known */
 void exp_measures_in(const exp_run *run, long *next); /* lowered to the steps to the next sample */
 long exp_next_look(long since, long every);           /* steps to it, so many after looks have begun */
 

@@ -25,8 +25,9 @@ const rp_param exp_phase_schema[] = {
     {"from", "", RP_TEXT, IN(from), "", "", "earlier phase to whose end the run first goes back"},
     {"remove", "", RP_TEXT, IN(remove), "", "", "region whose grains are taken out at the start"},
     {"keep", "", RP_BOOL, IN(keep), "false", "",
-     "whether the state at the end is kept: by `repose run -o` for `--from`, for rows of a sweep of shared "
-     "piles"},
+     "whether the state at the end is kept: by `repose run -o` for `--from`, by a sweep for other measures "
+     "and "
+     "for rows of shared piles"},
     {"repeat", "", RP_INT, IN(repeat), "auto", "[1, 1000000000] | auto", "passes of a block"},
     {0}};
 
@@ -243,6 +244,8 @@ static rp_status name_phase(exp_plan *plan, const config_setting_t *setting, siz
     if (exp_scope_named(plan, EXP_PHASE, p->name, strlen(p->name), NULL))
         return rp_config_fail(setting, "name = \"%s\": names two phases", p->name);
     const config_setting_t *own = exp_has_key(setting, "least every most open mark damp remove keep");
+    if (block != SIZE_MAX && p->keep)
+        return rp_config_fail(member(setting, "keep"), "keep: of phases outside of a block");
     if (has_inner && own)
         return rp_config_fail(own, "%s: of a block's phases, not of the block", config_setting_name(own));
     if (!has_inner && p->repeat >= 0)

@@ -80,14 +80,23 @@ static rp_status check(const void *params)
     return status;
 }
 
-static bool hash(const void *params, XXH128_hash_t *digest)
+static bool hash(const void *params, const sweep_output of[], XXH128_hash_t *digest)
 {
+    const char *names[SWEEP_MAX_OUTPUTS];
+    size_t n = 0;
     exp_plan *plan;
-    char *key = plan_of(params, &plan) ? NULL : exp_key(plan, SIZE_MAX);
-    if (key) *digest = XXH3_128bits(key, strlen(key));
-    free(key);
+    bool known = plan_of(params, &plan) == RP_OK;
+    if (known && of) {
+        while (of[n].name) names[n] = of[n].name, n++;
+        known = exp_hash(plan, names, n, SIZE_MAX, digest);
+    } else if (known) {
+        char *key = exp_key(plan);
+        known = key != NULL;
+        if (key) *digest = XXH3_128bits(key, strlen(key));
+        free(key);
+    }
     exp_free(plan);
-    return key != NULL;
+    return known;
 }
 
 static rp_status fingerprint(char digits[33])
@@ -174,7 +183,7 @@ static rp_status write_tables(const trace *t, const void *params)
     return sweep_table_close(&f, RP_OK);
 }
 
-/* Begin with the last end of a phase that another run has left, of a text that is the same up to there. */
+/* Begin with the last end of a phase that a run has left, of a text that is the same up to there. */
 static rp_status begin_with_end(const trace *t, const sweep_keep *keep)
 {
     char digits[33];
@@ -184,6 +193,7 @@ static rp_status begin_with_end(const trace *t, const sweep_keep *keep)
         const bool found = !status && sweep_keep_find(keep, digits, &end);
         if (found) status = exp_begin(t->run, k, &end);
         rp_snapshot_free(&end);
+        if (status == RP_NO_RESULT) continue;
         if (found || status) return status;
     }
     return RP_OK;
@@ -200,15 +210,15 @@ static rp_status leave_ends(const trace *t, const sweep_keep *keep)
     return RP_OK;
 }
 
-/* From its start, its snapshot or the end of a phase that runs share to the end. */
+/* From its start, its snapshot or the end of a phase to the end. */
 static rp_status go(trace *t, sweep_keep *keep)
 {
     enum { PART = 1000 };
     exp_run *const run = t->run;
-    const bool shares = keep && keep->ends && !t->tables && exp_sim(run);
+    const bool ends = keep && keep->ends && !t->tables && exp_sim(run);
     const long every = t->tables ? t->tables->every : 0;
     RP_TRY(begin_trace(t));
-    if (shares && keep->source.n == 0) RP_TRY(begin_with_end(t, keep));
+    if (ends && keep->source.n == 0) RP_TRY(begin_with_end(t, keep));
     RP_TRY(sweep_keep_resume(keep, keep_trace, t));
     size_t stages = exp_stages(run);
     for (size_t k = 0; k < exp_phase_count(t->plan) && t->passes; k++)
@@ -218,7 +228,7 @@ static rp_status go(trace *t, sweep_keep *keep)
                    left = every > 0 ? every - step % every : PART;
         RP_TRY(exp_advance(run, left < PART ? left : PART)); /* to the next row of energies */
         RP_TRY(note_phase(t, step));
-        if (shares && exp_stages(run) != stages) RP_TRY(leave_ends(t, keep));
+        if (ends && exp_stages(run) != stages) RP_TRY(leave_ends(t, keep));
         stages = exp_stages(run);
         if (!exp_done(run)) RP_TRY(sweep_keep_look(keep));
     }

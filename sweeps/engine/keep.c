@@ -8,6 +8,7 @@
 #include <xxhash.h>
 
 #include "core/clock.h"
+#include "core/file.h"
 #include "core/version.h"
 
 /* Another commit may keep other variables: its snapshots are refused, and their runs start anew. */
@@ -29,7 +30,7 @@ void sweep_keep_begin(sweep_keep *k, char *why, size_t size)
 bool sweep_keep_is_name(const char *name)
 {
     const size_t digits = strspn(name, "0123456789abcdef");
-    return digits == 32 && (!name[digits] || strcmp(name + digits, ".new") == 0);
+    return digits == 32 && (!name[digits] || rp_ends_in(name, ".new"));
 }
 
 void sweep_keep_remove(const char *path)
@@ -49,7 +50,7 @@ void sweep_keep_end(sweep_keep *k, bool done)
 bool sweep_keep_find(const sweep_keep *k, const char digits[33], rp_snapshot *end)
 {
     char path[4096 + 40];
-    snprintf(path, sizeof path, "%s/%s", k->ends, digits);
+    snprintf(path, sizeof path, "%s/%s.end", k->ends, digits);
     return access(path, F_OK) == 0 && rp_snapshot_read(end, path, digits, layout()) == RP_OK;
 }
 
@@ -57,7 +58,7 @@ void sweep_keep_leave(const sweep_keep *k, const char digits[33], const rp_snaps
 {
     char path[4096 + 40];
     rp_snapshot copy = *end;
-    snprintf(path, sizeof path, "%s/%s", k->ends, digits);
+    snprintf(path, sizeof path, "%s/%s.end", k->ends, digits);
     if (access(path, F_OK) != 0) rp_snapshot_write(&copy, path, digits, layout());
 }
 

@@ -239,7 +239,7 @@ static void move_to(const sweep_plan *plan, size_t i)
     }
     XXH128_hash_t hash;
     at->hash = at->settings;
-    if (plan->protocol->hash && plan->protocol->hash(at->values, &hash)) at->hash = hash;
+    if (plan->protocol->hash && plan->protocol->hash(at->values, NULL, &hash)) at->hash = hash;
 }
 
 bool sweep_plan_is_axis(const sweep_plan *plan, const rp_param *param)

@@ -88,11 +88,8 @@ static rp_status make(const pool *p, size_t run, sweep_result *result)
 {
     const sweep_plan *plan = p->plan;
     char key[33], path[4096], why[sizeof result->message] = "";
-    sweep_keep keep = {.path = path,
-                       .key = key,
-                       .interval = p->options->snapshot,
-                       .stop = p->stop,
-                       .ends = plan->shared_piles ? p->snapshots : NULL};
+    sweep_keep keep = {
+        .path = path, .key = key, .interval = p->options->snapshot, .stop = p->stop, .ends = p->snapshots};
     const sweep_tables kept = {.keep = &keep};
     const bool keeps = p->snapshots != NULL;
     if (keeps) {

@@ -125,10 +125,11 @@ rp_status sweep_store_verify(sweep_store *store, const char *schema, const char 
 rp_status sweep_store_check_rows(sweep_store *store, const char *schema, const char *path,
                                  const sweep_plan *plan);
 
-/* Replace the plan, keeping all rows. `file` is noted as its origin.
+/* Replace the plan, keeping all rows; those of the plan before, unless NULL, that have what the runs of this
+ * one measure are theirs too. `file` is noted as its origin.
  * Errors: RP_BAD_INPUT if the store belongs to another protocol. */
-rp_status sweep_store_write_plan(sweep_store *store, const sweep_plan *plan, const char *file,
-                                 sweep_watch *watch);
+rp_status sweep_store_write_plan(sweep_store *store, const sweep_plan *plan, const sweep_plan *before,
+                                 const char *file, sweep_watch *watch);
 
 /* A note of this store ("main") or of an attached one, "" if it has none: protocol, file (name of the sweep
  * file as it was given), seed, replicas, model, plan, beat. Errors: RP_IO, also for a wrong checksum. */

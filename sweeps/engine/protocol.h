@@ -58,11 +58,12 @@ typedef struct {
     rp_status (*fingerprint)(char digits[33]);
 
     /* Of a protocol that a text describes: its first parameter, a pointer; and what stands for the parameters
-     * in keys and streams, false for values that can't be. NULL for those of the program. */
+     * in keys (of NULL) or in these outputs, whatever else is measured: false for values that can't be, and
+     * where there is no such output. NULL for those of the program. */
     const void *context;
     const char
         *text; /* of a protocol that is not open yet (sweep_protocol_open): all but its name and `about` */
-    bool (*hash)(const void *params, XXH128_hash_t *digest);
+    bool (*hash)(const void *params, const sweep_output of[], XXH128_hash_t *digest);
 
     /* One run with the random streams (seed, run, purpose). With `tables` (else NULL) the run, the same to
      * the bit, leaves tables in a folder. Physics without a result (a leak, a pile that never rests) is RP_OK

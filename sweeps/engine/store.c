@@ -272,9 +272,10 @@ rp_status sweep_store_check_outputs(sweep_store *s, const char *schema, const ch
     return status ? status : read;
 }
 
-/* With other measures an experiment has other runs. Those of before stay in a table of their own, and are the
- * runs again once the text has their measures. */
-static rp_status set_aside(sweep_store *s, const sweep_protocol *protocol)
+/* With other measures an experiment has other runs. Those of before stay in a table of their own, whose name
+ * is told, and are the runs again once the text has their measures. */
+static rp_status set_aside(sweep_store *s, const sweep_protocol *protocol, rp_arena *arena,
+                           const char **table)
 {
     size_t lacks = 0;
     sqlite3_str *names = sqlite3_str_new(s->db);
@@ -295,6 +296,7 @@ static rp_status set_aside(sweep_store *s, const sweep_protocol *protocol)
                            "DROP INDEX main.by_run; DROP INDEX main.by_status;"
                            "ALTER TABLE main.runs RENAME TO \"runs of %w\"",
                            before);
+        *table = rp_text(arena, "runs of %s", before);
         sqlite3_free(before);
         char *aside = sqlite3_mprintf("runs of %s", now);
         if (!status && aside &&
@@ -325,41 +327,6 @@ rp_status sweep_store_number(sweep_store *s, const sweep_plan *plan, sweep_watch
         if (watch) watch("rows looked up", r + 1, plan->n_runs);
     }
     return sweep_sql_finish(s, "write the store", q);
-}
-
-static rp_status write_notes(sweep_store *s, const sweep_plan *plan, const char *file)
-{
-    char replicas[32], seed[32];
-    snprintf(replicas, sizeof replicas, "%zu", plan->replicas);
-    snprintf(seed, sizeof seed, "%lu", plan->seed);
-    const char *const notes[][2] = {{"protocol", plan->protocol->name},
-                                    {"file", file},
-                                    {"seed", seed},
-                                    {"replicas", replicas},
-                                    {"model", plan->model},
-                                    {"plan", plan->hash}};
-    for (size_t i = 0; i < sizeof notes / sizeof *notes; i++) RP_TRY(set_note(s, notes[i][0], notes[i][1]));
-    return RP_OK;
-}
-
-rp_status sweep_store_write_plan(sweep_store *s, const sweep_plan *plan, const char *file, sweep_watch *watch)
-{
-    char owner[64] = "", before[33] = "";
-    RP_TRY(sweep_sql(s, "write the store",
-                     "BEGIN IMMEDIATE; PRAGMA user_version = %d; CREATE TABLE IF NOT EXISTS sweep"
-                     " (name TEXT PRIMARY KEY, value TEXT NOT NULL, sum INTEGER)",
-                     SWEEP_FORMAT));
-    if (plan->protocol->context) RP_TRY(set_aside(s, plan->protocol));
-    RP_TRY(sweep_store_make_runs(s, "main", plan->protocol));
-    RP_TRY(sweep_store_check_outputs(s, "main", s->path, plan->protocol));
-    RP_TRY(sweep_store_note(s, "main", "protocol", owner, sizeof owner));
-    RP_TRY(sweep_store_note(s, "main", "plan", before, sizeof before));
-    if (*owner && strcmp(owner, plan->protocol->name) != 0)
-        return rp_fail(RP_BAD_INPUT, "%s: holds runs of protocol \"%s\", not \"%s\"; plan in another folder",
-                       s->path, owner, plan->protocol->name);
-    if (strcmp(before, plan->hash) != 0) RP_TRY(sweep_store_number(s, plan, watch));
-    RP_TRY(write_notes(s, plan, file));
-    return sweep_sql(s, "write the store", "COMMIT");
 }
 
 /* ---- writing rows ---- */
@@ -603,4 +570,123 @@ rp_status sweep_store_check_rows(sweep_store *s, const char *schema, const char 
     char hash[33];
     RP_TRY(sweep_store_note(s, schema, "plan", hash, sizeof hash));
     return read_rows(s, schema, path, plan, strcmp(hash, plan->hash) == 0, NULL, NULL);
+}
+
+/* ---- planning ---- */
+
+typedef struct {
+    XXH128_hash_t hash;
+    size_t point;
+} entry;
+
+/* The grid points of the plan before in the order of what their runs have of these outputs; NULL: they lack
+ * one. */
+static entry *sort_points(const sweep_plan *before, const sweep_output outputs[], rp_arena *arena)
+{
+    entry *e = rp_arena_memory(arena, before->n_points, sizeof *e);
+    for (size_t p = 0; p < before->n_points && e; p++) {
+        e[p].point = p;
+        if (!before->protocol->hash(sweep_plan_point(before, p), outputs, &e[p].hash)) return NULL;
+    }
+    if (e) qsort(e, before->n_points, sizeof *e, XXH128_cmp);
+    return e;
+}
+
+/* A row of the plan before as that of this run. */
+static rp_status take_as(sweep_store *s, sweep_row *row, const sweep_plan *before, const sweep_plan *plan,
+                         size_t run, sqlite3_stmt *into)
+{
+    char parameters[8192];
+    const sweep_row of = *row;
+    row->run = run;
+    row->parameters = sweep_plan_parameters(plan, run / plan->replicas, parameters, sizeof parameters);
+    sweep_plan_key(plan, run, row->key);
+    for (size_t k = 0; plan->protocol->outputs[k].name; k++)
+        for (size_t j = 0; before->protocol->outputs[j].name; j++)
+            if (strcmp(plan->protocol->outputs[k].name, before->protocol->outputs[j].name) == 0)
+                row->result.values[k] = of.result.values[j];
+    bind_row(into, row, plan->protocol->outputs);
+    sqlite3_bind_null(into, 2); /* numbers are given later */
+    const int stored = sqlite3_step(into);
+    sqlite3_reset(into);
+    return stored == SQLITE_DONE || stored == SQLITE_CONSTRAINT ? RP_OK
+                                                                : sweep_sql_fail(s, "write the store");
+}
+
+/* Results of the plan before, with all that this one measures and more: the same runs, under other keys. */
+static rp_status take_over(sweep_store *s, const sweep_plan *before, const char *table,
+                           const sweep_plan *plan, rp_arena *arena)
+{
+    const sweep_output *outputs = plan->protocol->outputs;
+    const entry *e = sort_points(before, outputs, arena), *at;
+    entry wanted;
+    rp_status status = RP_OK;
+    if (!e) return RP_OK;
+    sqlite3_str *sql = sqlite3_str_new(s->db);
+    sqlite3_str_appendall(sql, "SELECT ");
+    sweep_store_columns(NULL, NULL, sql, before->protocol);
+    sqlite3_str_appendf(sql, " FROM main.\"%w\" WHERE key = ?", table);
+    sqlite3_stmt *from = sweep_sql_query_text(s, sql), *into = sweep_store_query_insert(s, plan->protocol);
+    if (!from) return sqlite3_finalize(into), RP_OK; /* of a process that was killed: other columns */
+    for (size_t r = 0; into && !status && r < plan->n_runs; r++) {
+        const size_t replica = r % plan->replicas;
+        if (replica == 0 &&
+            !plan->protocol->hash(sweep_plan_point(plan, r / plan->replicas), outputs, &wanted.hash))
+            break;
+        at = bsearch(&wanted, e, before->n_points, sizeof *e, XXH128_cmp);
+        if (!at) continue;
+        const size_t run = at->point * before->replicas + replica;
+        const sweep_stream now = sweep_plan_stream(plan, r), then = sweep_plan_stream(before, run);
+        char key[33];
+        sweep_row row;
+        if (now.seed != then.seed || now.run != then.run) continue;
+        sweep_plan_key(before, run, key);
+        sqlite3_bind_text(from, 1, key, -1, SQLITE_STATIC);
+        if (sqlite3_step(from) == SQLITE_ROW && take_row(from, before->protocol->outputs, &row) &&
+            rp_is_result(row.result.status))
+            status = take_as(s, &row, before, plan, r, into);
+        sqlite3_reset(from);
+    }
+    sqlite3_finalize(into);
+    const rp_status read = sweep_sql_finish(s, "read the rows", from);
+    return status ? status : read;
+}
+
+static rp_status write_notes(sweep_store *s, const sweep_plan *plan, const char *file)
+{
+    char replicas[32], seed[32];
+    snprintf(replicas, sizeof replicas, "%zu", plan->replicas);
+    snprintf(seed, sizeof seed, "%lu", plan->seed);
+    const char *const notes[][2] = {{"protocol", plan->protocol->name},
+                                    {"file", file},
+                                    {"seed", seed},
+                                    {"replicas", replicas},
+                                    {"model", plan->model},
+                                    {"plan", plan->hash}};
+    for (size_t i = 0; i < sizeof notes / sizeof *notes; i++) RP_TRY(set_note(s, notes[i][0], notes[i][1]));
+    return RP_OK;
+}
+
+rp_status sweep_store_write_plan(sweep_store *s, const sweep_plan *plan, const sweep_plan *before,
+                                 const char *file, sweep_watch *watch)
+{
+    RP_SCOPE(arena);
+    const char *table = "runs";
+    char owner[64] = "", hash[33] = "";
+    RP_TRY(sweep_sql(s, "write the store",
+                     "BEGIN IMMEDIATE; PRAGMA user_version = %d; CREATE TABLE IF NOT EXISTS sweep"
+                     " (name TEXT PRIMARY KEY, value TEXT NOT NULL, sum INTEGER)",
+                     SWEEP_FORMAT));
+    if (plan->protocol->context) RP_TRY(set_aside(s, plan->protocol, &arena, &table));
+    RP_TRY(sweep_store_make_runs(s, "main", plan->protocol));
+    RP_TRY(sweep_store_check_outputs(s, "main", s->path, plan->protocol));
+    RP_TRY(sweep_store_note(s, "main", "protocol", owner, sizeof owner));
+    RP_TRY(sweep_store_note(s, "main", "plan", hash, sizeof hash));
+    if (*owner && strcmp(owner, plan->protocol->name) != 0)
+        return rp_fail(RP_BAD_INPUT, "%s: holds runs of protocol \"%s\", not \"%s\"; plan in another folder",
+                       s->path, owner, plan->protocol->name);
+    if (before && table) RP_TRY(take_over(s, before, table, plan, &arena));
+    if (strcmp(hash, plan->hash) != 0) RP_TRY(sweep_store_number(s, plan, watch));
+    RP_TRY(write_notes(s, plan, file));
+    return sweep_sql(s, "write the store", "COMMIT");
 }

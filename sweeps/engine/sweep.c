@@ -13,6 +13,7 @@
 
 #include "core/file.h"
 #include "core/folder.h"
+#include "params/units.h"
 #include "sweeps/engine/keep.h"
 
 /* One process at a time changes a store. The lock goes with the process, whatever ends it; its workers, which
@@ -178,6 +179,21 @@ static rp_status write_text(const char *path, const char *text)
     return rp_file_close(path, out, RP_OK);
 }
 
+/* Write the plan, beside what the folder has of the one before. */
+static rp_status plan_again(sweep_folder *f, const sweep_protocol *const *protocols, const char *file,
+                            sweep_watch *watch)
+{
+    RP_ENDS(sweep_plan_free) sweep_plan before = {0};
+    char hash[33];
+    const rp_units units = rp_units_now();
+    RP_TRY(sweep_store_note(f->store, "main", "plan", hash, sizeof hash));
+    const bool other = f->plan.protocol->context && *hash && strcmp(hash, f->plan.hash) != 0,
+               known = other && !sweep_plan_read(f->cfg, protocols, &before) && before.protocol->context &&
+                       rp_units_now() == units && !sweep_plan_replicate(&before, f->plan.replicas);
+    rp_units_set(units);
+    return sweep_store_write_plan(f->store, &f->plan, known ? &before : NULL, file, watch);
+}
+
 rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
                         const sweep_protocol *const *protocols, sweep_watch *watch, sweep_counts *counts)
 {
@@ -192,7 +208,7 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
     RP_TRY(claim(&f, file));
     RP_TRY(lock_folder(&f));
     RP_TRY(sweep_store_open(f.sqlite, SWEEP_CREATE, &f.store));
-    RP_TRY(sweep_store_write_plan(f.store, &f.plan, file, watch));
+    RP_TRY(plan_again(&f, protocols, file, watch));
     const char *experiment = sweep_protocol_bytes(f.plan.protocol);
     if (experiment) RP_TRY(write_text(f.experiment, experiment));
     RP_TRY(write_text(f.cfg, f.plan.text));
@@ -248,12 +264,12 @@ static rp_status open_shard(const sweep_options *options, sweep_folder *f)
     RP_TRY(make_folder(folder));
     RP_TRY(take_lock(lock, path, &f->lock));
     RP_TRY(sweep_store_open(path, SWEEP_CREATE, &f->store));
-    RP_TRY(sweep_store_write_plan(f->store, &f->plan, file, NULL));
+    RP_TRY(sweep_store_write_plan(f->store, &f->plan, NULL, file, NULL));
     return sweep_store_check_rows(f->store, "main", path, &f->plan);
 }
 
-/* Snapshots of a sweep whose runs are all stored: a driver that was killed may have left some, and runs their
- * ends. Other files of the folder, and then the folder, stay. */
+/* Snapshots of a sweep whose runs are all stored: a driver that was killed may have left some. Ends of phases
+ * stay, for other measures; so do other files of the folder, and then the folder. */
 static void remove_snapshots(const sweep_folder *f)
 {
     RP_ENDS(rp_folder_close) rp_folder snapshots = {0}, folder = {0};
@@ -388,7 +404,7 @@ static rp_status check_no_store(sweep_folder *f, const char *store)
 static rp_status make_salvaged(sweep_folder *f, const char *made, size_t *n)
 {
     rp_status status = sweep_store_open(made, SWEEP_CREATE, &f->store);
-    if (!status) status = sweep_store_write_plan(f->store, &f->plan, f->cfg, NULL);
+    if (!status) status = sweep_store_write_plan(f->store, &f->plan, NULL, f->cfg, NULL);
     if (!status) status = sweep_store_salvage(f->store, &f->plan, f->sqlite, n);
     sweep_store_close(f->store);
     f->store = NULL;

@@ -528,7 +528,7 @@ static rp_status hash_scene(const scene_run *r, XXH128_hash_t *hash)
     any.steps = 0;
     FILE *out = open_memstream(&text, &size);
     if (!out) return rp_fail(RP_NO_MEMORY, "scene: out of memory");
-    char *key = r->phases ? exp_key(r->phases, SIZE_MAX) : NULL;
+    char *key = r->phases ? exp_key(r->phases) : NULL;
     if (key) fputs(key, out);
     free(key);
     dem_scene_write(&any, out);
