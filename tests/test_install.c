@@ -146,7 +146,8 @@ static void test_headers(void)
                "*.h.cpp");
         write_text(
             "all.cpp",
-            "#include <gsl/gsl_errno.h>\n#include <repose/analytic.h>\n#include <repose/protocols.h>\n#include <repose/angle.h>\n"
+            "#include <gsl/gsl_errno.h>\n#include <repose/analytic.h>\n#include "
+            "<repose/protocols.h>\n#include <repose/angle.h>\n"
             "#include <repose/scene.h>\n#include <repose/equilibrium.h>\n"
             "rp_status numbers(rp_arena *a, double **x)\n{\n    RP_NEW(a, *x, 7);\n    return RP_OK;\n}\n"
             "int main()\n{\n    an_force f;\n    dem_definition d = dem_definition_default();\n"
