@@ -187,9 +187,11 @@ static rp_status plan_again(sweep_folder *f, const sweep_protocol *const *protoc
     char hash[33];
     const rp_units units = rp_units_now();
     RP_TRY(sweep_store_note(f->store, "main", "plan", hash, sizeof hash));
-    const bool other = f->plan.protocol->context && *hash && strcmp(hash, f->plan.hash) != 0,
-               known = other && !sweep_plan_read(f->cfg, protocols, &before) && before.protocol->context &&
-                       rp_units_now() == units && !sweep_plan_replicate(&before, f->plan.replicas);
+    const char *text = sweep_protocol_bytes(f->plan.protocol), *was = NULL;
+    const bool other = text && *hash && strcmp(hash, f->plan.hash) != 0;
+    if (other && !sweep_plan_read(f->cfg, protocols, &before)) was = sweep_protocol_bytes(before.protocol);
+    const bool known = was && strcmp(text, was) != 0 && rp_units_now() == units &&
+                       !sweep_plan_replicate(&before, f->plan.replicas);
     rp_units_set(units);
     return sweep_store_write_plan(f->store, &f->plan, known ? &before : NULL, file, watch);
 }
