@@ -475,6 +475,7 @@ static void test_run(void)
     PRINTS("\nD\tlet\t1.6\tcm\t(0, 6)\toutlet\n", "params h.cfg");
     CHECK_PARTS(out, "\nN\tlet\t60\t-\t-\t-\n", "\nrate\tmeasure\t-\t1/s\t-\t");
     FAILS(64, "--every needs -o DIR", "run h.cfg --every 3");
+    FAILS(65, "--set Q=1: no such key or let; lets: D mu", "run h.cfg --set Q=1");
     FAILS(65, "--set Mu=0.3: no such key or let (did you mean \"mu\"?)", "run h.cfg --set Mu=0.3");
     FAILS(65, "let.D: D = 7: out of range, allowed: (0, 6) cm", "run h.cfg --set D=7");
     FAILS(1, "deep: phase flow, step ", "run h.cfg --set 'phases[1].fail={deep=\"grains<50\"}' -o o");

@@ -229,7 +229,7 @@ static bool same_wall(const dem_wall *w, const dem_wall *v)
 static void particles_from_table(void)
 {
     static const char *const texts[] = {
-        "# omega fixed r vy m y vx angle x\n3 1 0.1 -2 0.005 0.7 4 0.3 0.5\n-1 0 1.5 6 0.2 8 -7 9 2\n5 2 3 4 "
+        "# omega fixed r vy m y vx angle x\n3 1 0.1 -2 0.005 0.7 4 0.3 0.5\n-1 0 1.5 6 0.2 8 -7 9 2\n5 1 3 4 "
         "5 6 7 8 9\n",
         "0.5 0.7 0.1 0.005 4 -2 0.3 3 1\n2 8 1.5 0.2 -7 6 9 -1 0\n9 6 3 5 7 4 8 5 1\n",
         "# r omega x y vy fixed\n0.1 3.0 0.5 0.7 -2.0 0\n0.08 0.0 0.1 0.9 0.0 1\n",
@@ -279,6 +279,8 @@ static void particles_from_table(void)
     grains_refused(text, NULL, "column 1: unit = m: the text's units are cgs; cm");
     file_print(table, "x\ty\tr\tstep\n1\t2\t0.1\tnan\n1\t3\t0.1\t0\n");
     grains_refused(text, NULL, ":2: column 4 step: \"nan\" is not a finite number");
+    file_print(table, "x\ty\tr\tfixed\n1\t2\t0.1\t2\n");
+    grains_refused(text, NULL, ":2: fixed = 2: 0, 1, true or false expected");
     static const char *const bad[] = {"-0.1", "0"};
     for (int k = 0; k < 2; k++) {
         char says[40];

@@ -52,6 +52,9 @@ static rp_status read_cell(const rp_table *table, size_t row, int column, const 
     const bool word = strcasecmp(cell, "true") == 0 || strcasecmp(cell, "false") == 0;
     rp_value v = {.kind = key->type == RP_BOOL ? RP_V_BOOL : RP_V_REAL};
     if (key->type != RP_BOOL || !word) RP_TRY(rp_table_number(table, row, column, 0, &v.r));
+    if (key->type == RP_BOOL && !word && v.r != 0.0 && v.r != 1.0)
+        return rp_fail(RP_BAD_INPUT, "%s:%zu: %s = %s: 0, 1, true or false expected", table->places[row].path,
+                       table->places[row].line, key->name, cell);
     v.i = word ? tolower((unsigned char)*cell) == 't' : v.r != 0.0;
     return rp_prefix(rp_params_set(key, p, &v), "%s:%zu: ", table->places[row].path, table->places[row].line);
 }

@@ -89,18 +89,25 @@ static config_setting_t *let_of(const dem_text *text, const char *name)
     return let ? member(let, name) : NULL;
 }
 
-/* A key that is none of a scene, but nearly the name of a let. */
+/* A key that is none of a scene is meant as a let, if there are any. */
 static rp_status check_let(const dem_text *scene, const char *key, const char *text)
 {
     const config_setting_t *lets = config_lookup(&scene->config, "let");
     rp_guess guess = rp_guess_of(key);
+    char names[512] = "; lets:";
+    size_t used = strlen(names);
     for (const dem_scene_group *g = dem_scene_schemas; g->name; g++)
         if (strcmp(g->name, key) == 0 || (g == dem_scene_schemas && rp_params_find(g->schema, key)))
             return RP_OK;
-    for (size_t k = 0; lets && k < length(lets); k++)
-        rp_guess_try(&guess, config_setting_name(element(lets, k)));
-    return *rp_guess_text(&guess)
-               ? rp_fail(RP_BAD_INPUT, "--set %s: no such key or let%s", text, rp_guess_text(&guess))
+    for (size_t k = 0; lets && k < length(lets); k++) {
+        const char *name = config_setting_name(element(lets, k));
+        rp_guess_try(&guess, name);
+        if (used < sizeof names)
+            used += (size_t)snprintf(names + used, sizeof names - used, " %s", name ? name : "");
+    }
+    const char *near = rp_guess_text(&guess);
+    return lets && length(lets) > 0
+               ? rp_fail(RP_BAD_INPUT, "--set %s: no such key or let%s", text, *near ? near : names)
                : RP_OK;
 }
 
