@@ -711,6 +711,32 @@ static const char lift[] =
     "  { name = `x2`; of = `x`; }, { name = `y2`; of = `y`; }, { name = `px`; of = `plate.x`; },\n"
     "  { name = `py`; of = `plate.y`; }, { name = `f`; of = `plate.fy`; } );\n";
 
+/* In a box that has turned by 20 degrees, places are those of the box, and a torque is about the pivot as it
+ * lies now: between two pivots it differs by the moment of the force. */
+static void test_turned_walls(void)
+{
+    static const char turned[] =
+        "dt = 1.0e-4; gravity = (0.0, -1000.0); particles = ( { x = 0.5; y = 0.1; r = 0.1; m = 0.01; } );\n"
+        "walls = ( { name = `plate`; polygon = ((-1.0, 0.0), (1.0, 0.0)); closed = false; pivot = (0.7, "
+        "0.4); "
+        "},\n  { name = `line`; point = (1.0, 0.0); direction = (-1.0, 0.0); } );\n"
+        "tangential = { law = `spring`; mu = 0.9; };\n"
+        "phases = ( { name = `lie`; box_turn_deg_per_step = 0.02; steps = 1000; } );\n"
+        "measure = ( { name = `px`; of = `plate.x`; }, { name = `py`; of = `plate.y`; },\n"
+        "  { name = `lx`; of = `line.x`; }, { name = `ly`; of = `line.y`; },\n"
+        "  { name = `m`; of = `plate.torque`; }, { name = `fx`; of = `plate.fx`; }, { name = `fy`; of = "
+        "`plate.fy`; } );\n";
+    RUN_TRIAL(about, turned, 1000, "ok");
+    scoped char *origin = changed(turned, "(0.7, 0.4)", "(0.0, 0.0)");
+    RUN_TRIAL(other, origin, 1000, "ok");
+    const double c = cos(20.0 * M_PI / 180.0), s = sin(20.0 * M_PI / 180.0), fx = measured(&about, "fx"),
+                 fy = measured(&about, "fy"), x = 0.7 * c + 0.4 * s, y = 0.4 * c - 0.7 * s;
+    CHECK_ALL_NEAR(1e-12, {measured(&about, "px"), 0.7}, {measured(&about, "py"), 0.4},
+                   {measured(&about, "lx"), 1.0}, {measured(&about, "ly"), 0.0});
+    CU_ASSERT(fy < -1.0);
+    CHECK_NEAR(measured(&other, "m") - measured(&about, "m"), x * fy - y * fx, 1e-9);
+}
+
 /* A grain on a plate that rises, stands, turns about its middle and stands again. */
 static void test_walls(void)
 {
@@ -937,6 +963,23 @@ static void test_refused_more(void)
         {lift, "plate = { velocity = (0.0, `v`); };", "plate = { speed = 3.0; };",
          "speed: needs load_x or load_y"},
         {lift, "(0.0, `v`)", "(`v`)", "velocity: (a, b) expected"},
+        {lift, "walls = { plate = { omega = 0.0; }; }; steps", "box_turn_deg_per_step = 0.001; steps",
+         "phase stop: wall plate moves, not in a box that turns"},
+        {lift, "walls = { plate = { velocity = (0.0, 0.0); }; }; steps",
+         "box_turn_deg_per_step = 0.001; steps", "phase wait: wall plate moves, not in a box that turns"},
+        {lift, "omega = 0.0; }; }; steps = 3000; }",
+         "omega = 0.0; }; }; box_turn_deg_per_step = 0.001; steps = 9; }, { name = `soft`; dt = 1e-5; steps "
+         "= "
+         "9; }",
+         "phase soft: laws, dt and grains stay in a box that turns"},
+        {lift, "tangential = { law = `spring`; mu = 0.5; };\nphases = ( { name = `lie`;",
+         "normal = { tension = false; }; hard = { restitution = 0.5; }; phases = ( { name = `lie`; walls = { "
+         "plate = { load_y = 1.0; speed = 1.0; }; };",
+         "plate: a load: hard collisions do not push walls"},
+        {hopper, "polygon = ( ( `1 - D/4`, 0.0 ), ( `1 + D/4`, 0.0 ) ); closed = false;",
+         "point = (0.0, 0.0); direction = (0.0, 1.0); open_speed = 20.0;",
+         "open = \"gate\": open_speed = 20: must be at least 0, and a wall that opens slowly needs a lower "
+         "end"},
         {lift, "of = `y`; at = `lie`", "of = `slope`; at = `lie`", "measure y0: in: missing"},
         {lift, "of = `y`; at = `lie`", "of = `flanks.r3`; at = `lie`",
          "of = \"flanks.r3\": flanks has no such number"},
@@ -1058,8 +1101,8 @@ static void test_random_texts(void)
 
 CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, test_rest_by_gravity,
                    test_looks_at_rest, test_phases, test_known_so_far, test_line_of_correlated, test_forces,
-                   test_surface_and_motion, test_walls, test_vibrated, test_modules, test_flanks_of_touching,
-                   test_avalanches, test_limits_of_radii, test_more_modules, test_mean_grain,
-                   test_refused_more, test_cuts, test_kept, test_where, test_started_at, test_words,
-                   test_refused, test_keys, test_random_texts, test_run, test_resumed, test_swept,
+                   test_surface_and_motion, test_walls, test_turned_walls, test_vibrated, test_modules,
+                   test_flanks_of_touching, test_avalanches, test_limits_of_radii, test_more_modules,
+                   test_mean_grain, test_refused_more, test_cuts, test_kept, test_where, test_started_at,
+                   test_words, test_refused, test_keys, test_random_texts, test_run, test_resumed, test_swept,
                    test_shared_ends, test_other_measures, test_sweeps_refused)

@@ -356,9 +356,10 @@ typedef struct dem_contact {
     uint32_t id_a, id_b; /* id_b = 0: a wall, then `wall` is its number */
     int wall;
     double x, y, x_b, y_b; /* centres; for a wall its nearest point */
+    /* shear: force on b along the way from a to b turned clockwise; displacement, of the other sign */
     double overlap, normal_force, shear_force, shear_spring;
     double k_s, k_roll;                    /* stiffness of the shear spring, of the rolling one */
-    double rolling_torque, rolling_spring; /* torque on grain a, and displacement */
+    double rolling_torque, rolling_spring; /* torque on grain a, and displacement at the shorter arm */
     dem_well well; /* on the ground: of which shear_force holds the pull, shear_spring the displacement */
 } dem_contact;
 

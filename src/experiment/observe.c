@@ -307,11 +307,15 @@ static dem_wall_state wall_now(const exp_run *run, const exp_use *use, size_t k)
     return dem_wall_now(run->sim, run->plan->walls[use->scope.index].walls[k]);
 }
 
-/* Its pivot, which moves along; of a whole line its point. */
+/* Its pivot, which moves along; of a whole line its point. In the box, as places of grains. */
 static double wall_place(const exp_run *run, const exp_use *use, int component)
 {
     const dem_wall_state w = wall_now(run, use, 0);
-    return isinf(w.ends[0]) && isinf(w.ends[1]) ? w.point[component] : w.pivot[component];
+    const bool line = isinf(w.ends[0]) && isinf(w.ends[1]);
+    double p[2];
+    memcpy(p, line ? w.point : w.pivot, sizeof p);
+    dem_box_frame(run->sim, &p[0], &p[1]);
+    return p[component];
 }
 
 /* Torque of the grains on it about its pivot. */
@@ -376,18 +380,18 @@ static double wall_force(exp_run *run, const exp_use *use, int component)
     X(OF_PART, cells, 0, 0, RP_X_NUMBER, "", "columns of about d that hold a grain", cells(run, use)) \
     X(OF_PART, rest, 0, 0, RP_X_TRUTH, "", "whether the grains are at rest, by several looks in a row", is_at_rest(run, use)) \
     X(OF_PART, sliding, 0, 0, RP_X_NUMBER, "", "share of the contacts that press, have friction, and whose shear force is at Coulomb's limit; the module limit asks their springs", sliding(run, use)) \
-    X(OF_REGION, sxx, 0, 0, RP_X_NUMBER, "dyn/cm", "stress: sum of branch vector times force over area, compression positive", over_contacts(run, use).xx / area_now(run, use)) \
+    X(OF_REGION, sxx, 0, 0, RP_X_NUMBER, "dyn/cm", "stress: sum of branch vector times force over area, of contacts whose branch has its middle there; compression positive", over_contacts(run, use).xx / area_now(run, use)) \
     X(OF_REGION, sxy, 0, 0, RP_X_NUMBER, "dyn/cm", "its mixed component, the mean of the two", over_contacts(run, use).xy / area_now(run, use)) \
     X(OF_REGION, syy, 0, 0, RP_X_NUMBER, "dyn/cm", "its component along y", over_contacts(run, use).yy / area_now(run, use)) \
     X(OF_REGION, fraction, 0, 0, RP_X_NUMBER, "", "area of the grains with their centre in it over that of the region", SUM(area) / area_now(run, use)) \
     X(OF_WALL, x, 0, 0, RP_X_NUMBER, "cm", "the wall's pivot, of a whole line its point", wall_place(run, use, 0)) \
     X(OF_WALL, y, 0, 0, RP_X_NUMBER, "cm", "the wall's pivot, of a whole line its point", wall_place(run, use, 1)) \
-    X(OF_WALL, vx, 0, 0, RP_X_NUMBER, "cm/s", "its velocity", wall_now(run, use, 0).velocity[0]) \
-    X(OF_WALL, vy, 0, 0, RP_X_NUMBER, "cm/s", "its velocity", wall_now(run, use, 0).velocity[1]) \
-    X(OF_WALL, angle, 0, 0, RP_X_NUMBER, "rad", "turned since the start, counter-clockwise", wall_now(run, use, 0).angle) \
+    X(OF_WALL, vx, 0, 0, RP_X_NUMBER, "cm/s", "its velocity, in a box that turns 0", wall_now(run, use, 0).velocity[0]) \
+    X(OF_WALL, vy, 0, 0, RP_X_NUMBER, "cm/s", "its velocity, in a box that turns 0", wall_now(run, use, 0).velocity[1]) \
+    X(OF_WALL, angle, 0, 0, RP_X_NUMBER, "rad", "turned in the box since the start, counter-clockwise", wall_now(run, use, 0).angle) \
     X(OF_WALL, torque, 0, 0, RP_X_NUMBER, "dyn cm", "torque of the grains on it about its pivot", wall_torque(run, use)) \
-    X(OF_WALL, fx, 0, 0, RP_X_NUMBER, "dyn", "force of the grains on it", wall_force(run, use, 0)) \
-    X(OF_WALL, fy, 0, 0, RP_X_NUMBER, "dyn", "force of the grains on it", wall_force(run, use, 1)) \
+    X(OF_WALL, fx, 0, 0, RP_X_NUMBER, "dyn", "force of the grains on it, without impulses of hard collisions", wall_force(run, use, 0)) \
+    X(OF_WALL, fy, 0, 0, RP_X_NUMBER, "dyn", "force of the grains on it, without impulses of hard collisions", wall_force(run, use, 1)) \
     X(OF_NEW, r, 0, 0, RP_X_NUMBER, "cm", "radius of the grain that is put in", run->grain.r) \
     X(OF_NEW, y, 0, 0, RP_X_NUMBER, "cm", "its centre", run->grain.y) \
     X(OF_NEW, touch, 0, 0, RP_X_NUMBER, "cm", "lowest place above which it meets nothing", run->grain.touch)

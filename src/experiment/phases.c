@@ -245,11 +245,13 @@ static void begin_phase(exp_run *run)
         if (exp_given(&p->turn[k])) {
             run->at.now.turn[k] =
                 exp_number(run, k ? "box_turn_deg_per_step" : "gravity_turn_deg_per_step", &p->turn[k]);
-            (k ? dem_box_turn : dem_gravity_turn)(run->sim, run->at.now.turn[k] * (M_PI / 180.0));
+            if ((k ? dem_box_turn : dem_gravity_turn)(run->sim, run->at.now.turn[k] * (M_PI / 180.0)))
+                exp_conclude(run, "no_turn", "phase %s: %s", p->name, rp_message());
         }
     for (size_t k = 0; p->opens >= 0 && k < run->plan->walls[p->opens].n; k++) {
         const size_t w = run->plan->walls[p->opens].walls[k];
-        dem_wall_open(run->sim, w, dem_walls_of(&run->plan->scene.def)[w].open_speed);
+        if (dem_wall_open(run->sim, w, dem_walls_of(&run->plan->scene.def)[w].open_speed))
+            exp_conclude(run, "no_opening", "phase %s: %s", p->name, rp_message());
     }
     if (p->mark) exp_mark(run);
     if (p->add.on && !run->at.done) exp_add_grains(run, p);

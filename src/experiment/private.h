@@ -98,6 +98,8 @@ typedef struct {
     /* by hand */
     const config_setting_t *setting;
     bool left_out, is_sampled; /* the last: some measure takes samples at its looks */
+    bool turned;               /* the box, in it or before */
+    unsigned *moving;          /* of walls: whether and how they do in it */
     exp_ending ending;
     exp_expression end;     /* steps, time or until; of a block, its until */
     exp_expression turn[2]; /* degrees a step: gravity, box */

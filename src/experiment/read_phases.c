@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "dem/setup/definition.h"
 #include "experiment/reading.h"
 #include "params/config.h"
 #include "table/columns.h"
@@ -128,6 +129,8 @@ static rp_status read_move(const config_setting_t *setting, exp_place *place, ex
                               m->loading[0] == EXP_LOADED ? 'x' : 'y');
     if (!loaded && exp_given(&m->speed))
         return rp_config_fail(member(setting, "speed"), "speed: needs load_x or load_y");
+    if (loaded && plan->scene.def.hard.on)
+        return rp_config_fail(setting, "%s: a load: hard collisions do not push walls", name);
     m->each_step = exp_asks(plan, &m->velocity[0], NULL) || exp_asks(plan, &m->velocity[1], NULL) ||
                    exp_asks(plan, &m->omega, NULL);
     p->each_step |= m->each_step;
@@ -284,6 +287,45 @@ static rp_status name_phases(exp_plan *plan, const config_setting_t *list, size_
     return RP_OK;
 }
 
+static bool is_zero(const exp_expression *e)
+{
+    return !exp_given(e) || (e->x.known && e->x.value == 0.0);
+}
+
+enum { SHIFTS = 1, SWINGS = 2, LOADED = 4 }; /* the last of x, and twice that of y */
+
+/* In a box that turns, or has turned, walls stand, and laws and grains stay. Phases are taken in the order of
+ * the text; what a run alone knows ends it. */
+static rp_status check_turned(exp_plan *plan, size_t k)
+{
+    exp_phase *p = &plan->phases[k];
+    const exp_phase *before = p->source != SIZE_MAX ? &plan->phases[p->source] : k ? p - 1 : NULL;
+    const bool turned = before ? before->turned : plan->scene.def.box_turn_per_step != 0.0;
+    RP_NEW(&plan->arena, p->moving, plan->n_walls);
+    for (size_t w = 0; w < plan->n_walls; w++) {
+        const dem_wall *wall = &dem_walls_of(&plan->scene.def)[*plan->walls[w].walls];
+        p->moving[w] = before ? before->moving[w] : dem_wall_moves(wall) ? SHIFTS : 0;
+    }
+    p->turned = turned || (!p->left_out && !is_zero(&p->turn[1]));
+    for (size_t i = 0; i < p->n_moves && !p->left_out; i++) {
+        const exp_move *m = &p->moves[i];
+        unsigned *moving = &p->moving[m->wall];
+        const bool shifts = !is_zero(&m->velocity[0]) || !is_zero(&m->velocity[1]);
+        if (exp_given(&m->velocity[0])) *moving = (*moving & ~SHIFTS) | (shifts ? SHIFTS : 0);
+        if (exp_given(&m->omega)) *moving = (*moving & ~SWINGS) | (is_zero(&m->omega) ? 0 : SWINGS);
+        for (unsigned c = 0; c < 2; c++)
+            if (m->loading[c] != EXP_SAME)
+                *moving = (*moving & ~(LOADED << c)) | (m->loading[c] == EXP_LOADED ? LOADED << c : 0);
+    }
+    for (size_t w = 0; w < plan->n_walls; w++)
+        if (p->turned && p->moving[w])
+            return rp_config_fail(p->setting, "phase %s: wall %s moves, not in a box that turns", p->name,
+                                  plan->walls[w].name);
+    return turned && !p->left_out && (p->has_laws || *p->remove)
+               ? rp_config_fail(p->setting, "phase %s: laws, dt and grains stay in a box that turns", p->name)
+               : RP_OK;
+}
+
 rp_status exp_read_phase(exp_plan *plan, size_t k)
 {
     exp_phase *p = &plan->phases[k];
@@ -323,11 +365,17 @@ rp_status exp_read_phase(exp_plan *plan, size_t k)
     size_t wall = 0;
     RP_TRY(exp_find(plan, EXP_WALL, p->setting, "open", p->open, &wall));
     p->opens = *p->open ? (long)wall : -1;
-    for (size_t i = 0; *p->open && i < plan->walls[wall].n; i++)
-        if (plan->scene.def.ground.wall == (long)plan->walls[wall].walls[i] + 1)
+    for (size_t i = 0; *p->open && i < plan->walls[wall].n; i++) {
+        const size_t number = plan->walls[wall].walls[i];
+        dem_wall opens = dem_walls_of(&plan->scene.def)[number];
+        opens.open_at_step = 0;
+        if (plan->scene.def.ground.wall == (long)number + 1)
             return rp_config_fail(member(p->setting, "open"), "open = \"%s\": the ground can't open",
                                   p->open);
-    return RP_OK;
+        if (dem_wall_check(&opens))
+            return rp_config_fail(member(p->setting, "open"), "open = \"%s\": %s", p->open, rp_message());
+    }
+    return check_turned(plan, k);
 }
 
 size_t exp_count_phases(const config_setting_t *list)

@@ -108,6 +108,9 @@ rp_status dem_box_turn(dem_sim *sim, double radians_per_step)
     double sine, cosine;
     RP_TRY(rp_check_range("turn of the box", radians_per_step, -1.0, 1.0, "[-1, 1]"));
     dem_sine_cosine(radians_per_step, &sine, &cosine);
+    for (size_t w = 0; w < sim->def.n_walls && radians_per_step != 0.0; w++)
+        if (dem_wall_moves(&sim->walls.wall[w]))
+            return rp_fail(RP_BAD_INPUT, "wall %zu moves: the box can't turn", w + 1);
     sim->def.box_turn_per_step = radians_per_step;
     sim->walls.turn_from_step = sim->step;
     sim->walls.turn_of_step = (dem_vec){cosine, sine};
@@ -186,7 +189,7 @@ dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall)
     const dem_wall *w = &sim->walls.wall[wall];
     const dem_wall_line *line = &sim->walls.line[wall];
     const dem_vec point = line->point, direction = line->direction, force = sim->walls.force[wall],
-                  pivot = line->moves ? line->pivot : dem_vec_of(w->pivot);
+                  pivot = line->moves ? line->pivot : turned(sim, w->pivot);
     double ends[2];
     if (!dem_wall_ends(sim, wall, ends)) ends[0] = ends[1];
     return (dem_wall_state){.point = {point[0], point[1]},

@@ -24,14 +24,15 @@ rp_status dem_read_physics(const config_setting_t *root, dem_scene *scene)
     if (normal && scene->E > 0.0 && (member(normal, "law") || member(normal, "k_n")))
         return rp_config_fail(normal, "normal: law and k_n follow from material; keep one of the two");
     dem_physics_apply(p, def);
+    const config_setting_t *at = NULL; /* the first that needs what another has */
     for (int k = NORMAL; k <= ROLLING; k++) {
         const config_setting_t *group = member(root, dem_scene_schemas[k].name);
         if (!group) continue;
         RP_TRY(rp_config_group(group, SCHEMA(k), p, NULL));
         dem_physics_apply(p, def);
-        if (dem_material_check(def, &def->material)) return rp_config_fail(group, "%s", rp_message());
+        if (!at && dem_material_check(def, &def->material)) at = group;
     }
-    return RP_OK;
+    return at && dem_material_check(def, &def->material) ? rp_config_fail(at, "%s", rp_message()) : RP_OK;
 }
 
 void dem_ends_apply(const dem_scene_laws *laws, dem_definition *def)

@@ -7,7 +7,7 @@
 #include "experiment/modules/module.h"
 
 static const exp_output outputs[] = {
-    {"_psi6", "", "mean |psi_6| of the grains with two or more neighbours"},
+    {"_psi6", "", "mean |psi_6| of the grains with two or more neighbours, those within 1.25 (r_i + r_j)"},
     {"_packed", "", "share of the grains that are close-packed: six neighbours, |psi_6| at least 0.9"},
     {"_strongest_60", "",
      "share of the contacts than which one of their grains has no stronger, that run within 10 degrees of 60 "
