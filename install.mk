@@ -4,11 +4,10 @@ TARGET   = $(or $(DESTDIR)$(PREFIX),/)
 VERSION := $(shell sed -n 's/^.define RP_VERSION "\(.*\)"/\1/p' src/core/version.h)
 .PHONY: install uninstall manual dist deb check-deb
 install: $(REPOSE) $(LIBRARY) ## program, library, headers, sweeps, completion: make install PREFIX=/usr/local DESTDIR=
-	@sh install.sh $(B) $(TARGET) $(VERSION) $(foreach m,$(filter-out view=% export=%,$(MODULES)),$(call module,$(m)))
+	@sh install.sh $(B) "$(TARGET)" $(VERSION) $(foreach m,$(filter-out view=% export=%,$(MODULES)),$(call module,$(m)))
 	@echo "install $(TARGET)"
 uninstall: ## remove what `make install` put into PREFIX
-	@cd $(TARGET) && rm -rf bin/repose lib/librepose*.a lib/pkgconfig/repose*.pc include/repose share/repose share/doc/repose \
-	  share/man/man1/repose.1 share/man/man1/repose-*.1 share/bash-completion/completions/repose
+	@sh install.sh --remove "$(TARGET)"
 manual: $(REPOSE) ## the manual page build/repose.1, of what the program prints about itself; needs pandoc
 	@$(REPOSE) help --markdown | pandoc -s -f markdown-smart -t man -o $(B)/repose.1
 # Of the last commit, whose name the archive carries in .commit.

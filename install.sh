@@ -1,8 +1,30 @@
 #!/bin/sh
 # Install Repose, as `make install` does: install.sh BUILD FOLDER VERSION MODULE... FOLDER is DESTDIR and PREFIX. No path
-# is written into a file, so that the folder can be moved.
+# is written into a file, so that the folder can be moved. All is made in a folder of its own, and copied when it is
+# whole. share/doc/repose/installed.txt lists it: --remove FOLDER takes away these files, and what folders of the program
+# they leave empty.
 set -e
-build=$1 to=$2 version=$3
+umask 022
+remove() { # remove FOLDER
+    list=share/doc/repose/installed.txt
+    (
+        cd "$1"
+        if ! [ -f $list ]; then exit 0; fi
+        folders=$(while read -r file; do
+            while file=${file%/*} && [ "$file" != "${file#*/repose}" ]; do echo "$file"; done
+        done <$list | sort -ru)
+        while read -r file; do rm -f "$file"; done <$list
+        rm -f $list
+        for folder in $folders; do rmdir "$folder" 2>/dev/null || true; done
+    )
+}
+if [ "$1" = --remove ]; then
+    remove "$2"
+    exit
+fi
+build=$(realpath "$1") target=$2 version=$3
+to=$(mktemp -d)
+trap 'rm -rf "$to"' EXIT
 shift 3
 put() { # put MODE FOLDER FILE...
     mode=$1 folder=$to/$2
@@ -37,12 +59,17 @@ done
 
 # One archive, of which a program links what it uses: repose-MODULE.pc names the libraries of a module, repose.pc all.
 # It has a name for each of them: of equal ones pkg-config keeps the last, which may stand after what it needs.
-rm -f "$to"/lib/librepose*.a
-{
-    echo "create $to/lib/librepose.a"
-    for module; do echo "addlib $build/lib${module%%=*}.a"; done
-    printf 'save\nend\n'
-} | ar -M
+ln -s "$build" "$to/build" # ar takes plain names alone
+(
+    cd "$to"
+    {
+        echo "create lib/librepose.a"
+        for module; do echo "addlib build/lib${module%%=*}.a"; done
+        printf 'save\nend\n'
+    } | ar -M
+    ar t lib/librepose.a >/dev/null
+    rm build
+)
 pc() { # pc NAME DESCRIPTION PACKAGES LIBRARIES
     cat >"$to/lib/pkgconfig/$1.pc" <<EOF
 libdir=\${pcfiledir}/..
@@ -62,3 +89,9 @@ pc repose-dem "discrete-element simulator of grains" "gsl libconfig libxxhash" -
 pc repose-statics "static equilibrium of soft disks" gsl -lcholmod
 pc repose-angle "angles of repose, tilting and marginal stability" "gsl nlopt"
 pc repose-stress "stress in piles, pressure on their base" gsl
+
+(cd "$to" && find . ! -type d | sed 's,^\./,,' | sort) >"$to/installed.txt"
+mkdir -p "$target"
+remove "$target" # of another version
+mv "$to/installed.txt" "$to/share/doc/repose"
+cp -R -P --remove-destination "$to/." "$target"

@@ -52,11 +52,21 @@ static void test_targets(void)
 {
     install_program();
     PASSES("make -C $SOURCE --no-print-directory -n B=$BUILD DESTDIR=/d PREFIX=/p install");
-    CU_ASSERT(strstr(out, "/d/p " RP_VERSION " sweep exp analytic dem statics angle stress stats core") !=
+    CU_ASSERT(strstr(out, "\"/d/p\" " RP_VERSION " sweep exp analytic dem statics angle stress stats core") !=
               NULL);
     if (!getenv("RP_INSTALLED")) {
+        /* what a person has put among the files stays; a name that is not plain is one folder */
+        PASSES(
+            "mkdir -p t && echo mine >t/mine && umask 077 && to=\"$PWD/t \xc3\xbc, it's\" && cd $SOURCE && "
+            "for k in 1 2; do sh install.sh $BUILD \"$to\" " RP_VERSION " core stats && echo mine >\"$to\"/"
+            "share/repose/examples/mine.cfg || exit; done && ar t \"$to\"/lib/librepose.a | grep -q status.o "
+            "&& "
+            "find \"$to\" -type f ! -perm -044 | grep -v mine; make -s B=$BUILD DESTDIR= PREFIX=\"$to\" "
+            "uninstall "
+            ">log; cd \"$to\"/..; find t* ! -type d");
+        CU_ASSERT_STRING_EQUAL(out, "t/mine\nt \xc3\xbc, it's/share/repose/examples/mine.cfg\n");
         PASSES("cp -r $PREFIX there && make -sC $SOURCE B=$BUILD DESTDIR=$PWD PREFIX=/there uninstall >log "
-               "&& find there ! -type d");
+               "&& find there ! -type d; find there -name '*repose*'");
         CU_ASSERT_STRING_EQUAL(out, "");
     }
     PASSES("! grep -rIl -e $SOURCE -e $PWD $PREFIX"); /* no path of the build */
