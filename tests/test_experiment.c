@@ -32,6 +32,7 @@ static const char fall[] =
     "  { name = `least`; of = `-vy`; during = `fall`; take = `min`; skip = 0.5; },\n"
     "  { name = `step_y`; of = `change(t)`; during = `fall`; take = `max`; every = 25; },\n"
     "  { name = `steps_y`; of = `change(t)`; during = `fall`; },\n"
+    "  { name = `first`; of = `t`; during = `land`; take = `first`; every = 70; },\n"
     "  { name = `weight`; of = `floor.fy`; }, { name = `side`; of = `floor.fx`; },\n"
     "  { name = `top`; of = `height`; }, { name = `l`; of = `left`; }, { name = `r`; of = `right`; },\n"
     "  { name = `touching`; of = `contacts`; }, { name = `columns`; of = `cells`; },\n"
@@ -50,7 +51,7 @@ static void test_closed_forms(void)
     /* a let named d leaves the mean grain's diameter as it is: columns; samples each 0.005 s; the first
      * beyond 25 cm/s is late */
     CHECK_EACH(measured(&t, NAME), 1e-12, {"t1", T}, {"T", 1e-4 * measured(&t, "s")}, {"mean_t", 0.0275},
-               {"late", 0.03}, {"step_y", 0.0025}, {"steps_y", 0.005});
+               {"late", 0.03}, {"first", 0.107}, {"step_y", 0.0025}, {"steps_y", 0.005});
     CHECK_NEAR(measured(&t, "rate_y"), -1000.0, 1e-6);
     CHECK_NEAR(measured(&t, "weight"), -0.04 * 1000.0, 0.4);
     CHECK_NEAR(measured(&t, "top"), 0.4, 1e-3);
@@ -363,6 +364,9 @@ static void test_refused(void)
         {hopper, "unit = `1/s`", "meaning = `caf\xe9`", "meaning: a text on one line"},
         {hopper, "name = `flow`", "name = `fill`", "name = \"fill\": names two phases"},
         {hopper, "bulk = {", "gate = {", "gate names a wall and a region"},
+        {hopper, "bulk = {",
+         "r234567890123456789012345678901 = { y = [0.0, 1.0]; }; r2345678901234567890123456789012 = {",
+         "\"r2345678901234567890123456789012\": the name of a region has up to 31 letters"},
         {hopper, "bulk = {", "D = {", "D names a let and a region"},
         {hopper, "mu = 0.2;", "mu = 0.2; height = 3.0;", "let.height: is an observable"},
         {hopper, "x = [0.5, 1.5]; y = [0.0, 1.0];", "z = 3;", "regions.bulk.z: unknown key"},
@@ -473,7 +477,7 @@ static void test_run(void)
     scoped_table series = read_table("whole/series_mean_y.tsv");
     CU_ASSERT(series.n_rows > 10);
     PRINTS("\nD\tlet\t1.6\tcm\t(0, 6)\toutlet\n", "params h.cfg");
-    CHECK_PARTS(out, "\nN\tlet\t60\t-\t-\t-\n", "\nrate\tmeasure\t-\t1/s\t-\t");
+    CHECK_PARTS(out, "\nN\tlet\t60\t-\t-\t-\nstop\tlet\t20\t-\t-\t-\n", "\nrate\tmeasure\t-\t1/s\t-\t");
     FAILS(64, "--every needs -o DIR", "run h.cfg --every 3");
     FAILS(65, "--set Mu=0.3: no such key or let (did you mean \"mu\"?)", "run h.cfg --set Mu=0.3");
     FAILS(65, "let.D: D = 7: out of range, allowed: (0, 6) cm", "run h.cfg --set D=7");
@@ -735,7 +739,7 @@ static void test_modules(void)
     /* the two that overlap by a hundredth are the only ones that touch */
     CHECK_EACH(measured(&t, NAME), 0.0, {"two", measured(&t, "s_r2_deg")}, {"s_cells", 20.0},
                {"d__grains", 2.0});
-    CHECK_EACH(measured(&t, NAME), 1e-9, {"d__left", 8.9}, {"d__right", 9.29});
+    CHECK_EACH(measured(&t, NAME), 1e-9, {"d__left", 8.9}, {"d__right", 9.29}, {"d__height", 0.2});
 }
 
 /* Flanks of a lattice, 60 degrees, with a grain that flies above and one that has run out; those of all
@@ -907,6 +911,10 @@ static void test_refused_more(void)
          "up: two sides of the polygon cross"},
         {lift, "measure = ( {",
          "regions = { up = { y = (0.0, 5.0); }; }; measure = ( { name = `s`; of = `up.sxx`; }, {",
+         "up.sxx: over the area of a region, whose x and y have two ends"},
+        {lift, "measure = ( {",
+         "regions = { up = { x = (0.0, `inf`); y = (`t`, 5.0); }; }; measure = ( { name = `s`; of = "
+         "`up.sxx`; }, {",
          "up.sxx: over the area of a region, whose x and y have two ends"},
         {lift, "measure = ( {",
          "regions = { up = { circle = (0.0, 5.0, 1.0); }; }; measure = ( { name = `s`; of = `profile`; in = "

@@ -215,10 +215,11 @@ static const char several[] =
     "dt = 1e-5; steps = 10;\n"
     "walls = ( { name = \"bin\"; polygon = ( (0.0, 30.0), (0.0, 0.0), (4.0, 0.0), (4.0, 30.0) ); closed = "
     "false; } );\n"
-    "particles = ( { x = 2.0; y = 20.0; r = 0.3; } );\n"
+    "particles = ( { x = 0.4; y = 6.05; r = 0.3; }, { x = 1.2; y = 6.05; r = 0.3; },\n"
+    "  { x = 2.0; y = 6.05; r = 0.3; }, { x = 2.8; y = 6.05; r = 0.3; } ); # reach into the fills\n"
     "fill = ( { kind = \"bed\"; pattern = \"row\"; W = 4.0; fixed = true; },\n"
-    "  { kind = \"small\"; N = 150; W = 4.0; H = 6.0; }, { if = false; N = 7; W = 1.0; H = 1.0; },\n"
-    "  { kind = \"large\"; N = 12; W = 4.0; H = 6.0; density = 2.5; radius_mean = 0.2; radius_width = 0.0; } "
+    "  { kind = \"small\"; N = 150; W = 4.0; H = 5.9; }, { if = false; N = 7; W = 1.0; H = 1.0; },\n"
+    "  { kind = \"large\"; N = 12; W = 4.0; H = 5.9; density = 2.5; radius_mean = 0.2; radius_width = 0.0; } "
     ");\n";
 
 static void test_several(void)
@@ -234,7 +235,7 @@ static void test_several(void)
     double nearest = INFINITY;
     for (size_t i = 0; i < n; i++) {
         const dem_grain *g = &grains[i];
-        CU_ASSERT(g->fixed == (i >= 1 && i < ends[0]));
+        CU_ASSERT(g->fixed == (i >= 4 && i < ends[0]));
         CU_ASSERT(g->x >= g->r * (1.0 - 1e-9) && g->x <= 4.0 - g->r * (1.0 - 1e-9) &&
                   g->y >= g->r * (1.0 - 1e-9)); /* none touches a wall */
         if (i >= ends[1]) CHECK_NEAR(g->m, dem_mass(DEM_SPHERE, 2.5, 0.2), 1e-15);
@@ -242,7 +243,7 @@ static void test_several(void)
             nearest = fmin(nearest, hypot(g->x - grains[k].x, g->y - grains[k].y) - g->r - grains[k].r);
     }
     CU_ASSERT(nearest >= -1e-14);
-    CU_ASSERT(grains[ends[0]].r != grains[1].r); /* streams of its own */
+    CU_ASSERT(grains[ends[0]].r != grains[4].r); /* streams of its own */
     check_reread(&s, n, grains);
 }
 

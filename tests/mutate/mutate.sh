@@ -40,6 +40,7 @@ suites_of() {
     report/verdict.c) echo claims ;;
     src/stats/lines.c | src/stats/trend.c) echo trend evidence calibrate_text tables angle ;;
     src/stats/identify.c | src/stats/least.c) echo identify calibrate_text ;;
+    src/experiment/modules/base.c) echo piles experiment columns ;;
     src/experiment/*) echo expression experiment actions columns repose flux drop stress sweep snapshot ;;
     src/core/elementary.c) echo core expression golden ;;
     src/dem/change.c) echo actions experiment ;;
@@ -73,7 +74,7 @@ suites_of() {
     src/stress/*) echo stress drop piles columns ;;
     src/dem/methods/implicit.c) echo midpoint implicit dem units ;;
     src/dem/methods/ahead.c | src/dem/methods/verlet.c) echo units dem removal threads motion rotation soft hard laws walls golden ;;
-    src/dem/observe/ledger.c) echo units ledger walls ;;
+    src/dem/observe/ledger.c) echo units ledger actions walls ;;
     src/dem/observe/observe.c | src/dem/forces/contact.c) echo units soft rotation motion stress scene golden dem ;;
     src/dem/list/removal.c) echo removal dem units ;;
     src/dem/setup/* | src/dem/methods/gravity.c | src/dem/state/vec.c | src/dem/methods/step.c | src/dem/sim.c | src/dem/run.c)
