@@ -181,25 +181,30 @@ static void test_line_of_correlated(void)
 static void test_forces(void)
 {
     static const char text[] =
-        "dt = 4.0e-5; normal = { gamma_n = 2000.0; }; rest = { energy = 1e-20; force = 1e-9; };\n"
+        "dt = 4.0e-5; gravity = (%s, -981.0); normal = { gamma_n = 2000.0; };\n"
+        "tangential = { law = `spring`; mu = 0.3; gamma_s = 2000.0; };\n"
+        "rest = { energy = 1e-20; force = 1e-9; };\n"
         "walls = ( { name = `side`; point = (-9.0, 0.0); direction = (1.0, 0.0); },\n"
         "  { name = `base`; point = (0.0, %s); direction = (%s, 1.0); } );\n"
         "particles = ( { x = 1.0; y = %s; r = 0.1; }, { x = 3.0; y = %s; r = 0.1; } );\n"
         "regions = { here = { x = (0.5, 1.5); y = (%s, 9.0); }; };\n"
         "phases = ( { name = `lie`; until = `rest`; most = 200000; go_on = true; } );\n"
         "measure = ( { name = `f`; of = `forces`; in = `here`; wall = `base`; } );\n";
-    static const char *const places[][5] = {{"0.0", "0.0", "0.099", "0.099", "0.0"},
-                                            {"-7.0", "0.0", "-6.901", "-6.901", "-7.0"},
-                                            {"0.0", "0.2", "-0.09", "-0.49", "-1.0"}};
+    static const char *const places[][6] = {{"0.0", "0.0", "0.0", "0.099", "0.099", "0.0"},
+                                            {"98.1", "-7.0", "0.0", "-6.901", "-6.901", "-7.0"},
+                                            {"0.0", "0.0", "0.2", "-0.09", "-0.49", "-1.0"}};
     for (size_t k = 0; k < 3; k++) {
         const char *const *at = places[k];
-        RUN_TRIAL(t, check_text(text, at[0], at[1], at[2], at[3], at[4]), 1000, k < 2 ? "ok" : "no_pile");
+        RUN_TRIAL(t, check_text(text, at[0], at[1], at[2], at[3], at[4], at[5]), 1000,
+                  k < 2 ? "ok" : "no_pile");
         if (k == 2) CU_ASSERT(strstr(exp_ended(t.run)->message, "the floor is not level") != NULL);
         if (k == 2) continue;
         /* of two such grains; half of the weight at an arm of half of d, less the overlap */
         CHECK_EACH(measured(&t, NAME), 1e-6, {"f_n", 0.5}, {"f_weight_error", 0.0}, {"f_balance_error", 0.0});
         CHECK_NEAR(measured(&t, "f_syy"), 0.5 * 0.5, 1e-3);
-        CHECK_NEAR(measured(&t, "f_h"), 0.0, 1e-12);
+        const double tangent = k == 1 ? 0.1 : 0.0; /* of gravity, which the floor holds */
+        CHECK_EACH(measured(&t, NAME), 1e-6, {"f_h", 0.5 * tangent}, {"f_friction", tangent}, {"f_sxx", 0.0},
+                   {"f_sxy", -tangent * measured(&t, "f_syy")}, {"f_syx", 0.0}, {"f_couple", -tangent});
         CU_ASSERT(isnan(measured(&t, "f_bulk"))); /* nothing presses from the sides */
     }
 }

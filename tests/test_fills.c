@@ -290,6 +290,14 @@ static void test_sparse(void)
         CU_ASSERT(status == (cases[k].n ? RP_OK : RP_NO_RESULT) && n == cases[k].n);
         if (n == cases[k].n && n > 0) CHECK_NEAR(grains[n - 1].y, cases[k].y, 1e-12);
     }
+    scoped_scene large; /* what walls cut off is not looked for, in so many nodes */
+    scoped dem_grain *grains = NULL;
+    size_t n = 0;
+    CHECK_OK(grains_read(
+        "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } ); fill = { N = 3; W = 1e6; H = 1e6; };",
+        NULL, &large));
+    CHECK_OK(dem_scene_grains(&large, &grains, &n));
+    CU_ASSERT(n == 3);
 }
 
 /* What leaves no grain, or more than there may be. */

@@ -1033,19 +1033,24 @@ static void test_closing_line(void)
     char grains[4096] = "";
     for (int k = 0; k < 12; k++)
         snprintf(grains + strlen(grains), sizeof grains - strlen(grains),
-                 "%s{ x = %g; y = %g; r = 0.1; fixed = true; }", k ? ", " : "", 0.1 + 0.2 * k, 2.0 - 0.1 * k);
-    write_text("stairs.cfg", "steps = 10; %s particles = ( %s );\n", walls, grains);
+                 "%s{ x = %g; y = %g; r = 0.1; fixed = true; }", k ? ", " : "", 0.1 + 0.2 * k,
+                 -1.0 - 0.1 * k);
+    write_text(
+        "stairs.cfg",
+        "steps = 10; walls = ( { point = [0.0, -3.0]; direction = [0.0, 1.0]; } ); particles = ( %s );\n",
+        grains);
     GOOD("run stairs.cfg -o d");
     CU_ASSERT(strncmp(err, "repose run: 12 grains, 10 steps, t = 0.0005 s; at rest; theta_R = ", 66) == 0);
     CHECK_NEAR(strtod(err + 66, NULL), 180.0 / M_PI * atan(0.5), 0.05); /* one decimal is printed */
     CU_ASSERT(strstr(err, ", over x = 0 to 2.4 cm (method 3); tables in d\n") != NULL);
     GOOD("run stairs.cfg -o d --force --quiet");
     CU_ASSERT_STRING_EQUAL(err, "");
-    write_text("open.cfg",
-               "steps = 10; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; }, { point = [2.0, 0.0]; "
-               "direction = [-1.0, 0.0]; open_at_step = 5; }, { point = [0.6, 0.0]; direction = [1.0, 0.0]; "
-               "} ); particles = ( %s );\n",
-               grains);
+    write_text(
+        "open.cfg",
+        "steps = 10; walls = ( { point = [0.0, -3.0]; direction = [0.0, 1.0]; }, { point = [2.0, 0.0]; "
+        "direction = [-1.0, 0.0]; open_at_step = 5; }, { point = [0.6, 0.0]; direction = [1.0, 0.0]; "
+        "} ); particles = ( %s );\n",
+        grains);
     write_text("level.cfg",
                "steps = 10; %s particles = ( { x = 0.3; y = 0.1; r = 0.1; fixed = true; }, { x = "
                "0.6; y = 0.1; r = 0.1; fixed = true; } );\n",

@@ -32,7 +32,7 @@ files='analytic/*.c src/angle/*.c src/core/sparse.c src/core/elementary.c src/st
     validation/cases.c validation/oblique.c validation/solved_pile.c'
 
 suites_of() {
-    case $1 in src/* | sweeps/*) echo scene experiment golden ;; esac # what all of it ends in
+    case $1 in src/* | sweeps/*) echo scene experiment actions golden ;; esac # what all of it ends in
     case $1 in
     analytic/*) echo property analytic ;;
     src/angle/*) echo property angle view tables cli ;;
@@ -74,7 +74,7 @@ suites_of() {
     src/stress/*) echo stress drop piles columns ;;
     src/dem/methods/implicit.c) echo midpoint implicit dem units ;;
     src/dem/methods/ahead.c | src/dem/methods/verlet.c) echo units dem removal threads motion rotation soft hard laws walls golden ;;
-    src/dem/observe/ledger.c) echo units ledger actions walls ;;
+    src/dem/observe/ledger.c) echo units ledger walls ;;
     src/dem/observe/observe.c | src/dem/forces/contact.c) echo units soft rotation motion stress scene golden dem ;;
     src/dem/list/removal.c) echo removal dem units ;;
     src/dem/setup/* | src/dem/methods/gravity.c | src/dem/state/vec.c | src/dem/methods/step.c | src/dem/sim.c | src/dem/run.c)
