@@ -414,6 +414,7 @@ static void test_keys(void)
                                          {hopper, "every = 100", "every = 101", "another"},
                                          {hopper, "most = 40000", "most = 40001", "another"},
                                          {hopper, "clogged = `rest`", "clogged = `bulk.rest`", "another"},
+                                         {hopper, "clogged = `rest`", "jammed = `rest`", "another"},
                                          {hopper, "open = `gate`; ", "", "another"},
                                          {hopper, "x = [0.5, 1.5]", "x = [0.5, 1.6]", "another"},
                                          {hopper, "regions =", "rest = { looks = 9; }; regions =", "another"},
@@ -672,6 +673,16 @@ static void test_walls(void)
     CHECK_NEAR(y * cos(0.2) - x * sin(0.2), 0.1, 1e-3);
     CHECK_NEAR(x * cos(0.2) + y * sin(0.2), 0.5, 2e-2);
     CHECK_NEAR(measured(&t, "f"), -0.01 * 1000.0, 0.05);
+    /* a grain that rolls hands the floor its resistance, mu r F_n, which turns against its push */
+    static const char rolls[] =
+        "dt = 1.0e-5; gravity = (0.0, 0.0); rotation = true; rolling = { model = `constant`; mu = 0.2; };\n"
+        "tangential = { law = `spring`; mu = 0.5; gamma_s = 0.0; };\n"
+        "walls = ( { name = `floor`; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+        "particles = ( { x = 1.0; y = 0.09; r = 0.1; m = 0.01; omega = 10.0; } );\n"
+        "phases = ( { name = `look`; steps = 1; } );\n"
+        "measure = ( { name = `arm`; of = `floor.torque/floor.fy`; } );\n";
+    RUN_TRIAL(rolling, rolls, 1, "ok");
+    CHECK_NEAR(measured(&rolling, "arm"), 1.0 - 0.2 * 0.1, 1e-9);
 }
 
 /* On a plate that moves as A sin(w t) a grain lifts off where A w^2 > g, at sin(w t) = g/(A w^2). */
