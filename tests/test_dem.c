@@ -1392,6 +1392,15 @@ static void limit_of_unequal(void)
         CHECK_NEAR(dem_time_step_limit(&def, &what) / (3.8 / sqrt(12.0 * k_n * (first + second))), 1.0,
                    1e-14);
         CU_ASSERT_STRING_EQUAL(what, "two of the lightest grains");
+        def.tangential =
+            DEM_SPRING; /* shear at the edges of a packing's cell of wave numbers, and in its corners */
+        for (int corner = 0; corner < 2; corner++) {
+            def.material.k_s = (corner ? 0.9 : 0.3) * k_n;
+            CHECK_NEAR(dem_time_step_limit(&def, &what) /
+                           (3.8 / sqrt(12.0 * (corner ? 0.75 * 1.9 : 1.1) * k_n * (first + second))),
+                       1.0, 1e-14);
+        }
+        def.tangential = DEM_NONE;
         def.n_walls = 2;
         def.walls[k % 2] = grains_line(0.0, -1.0, 0.0, 1.0, &def.material);
         def.walls[!(k % 2)] = def.walls[k % 2];

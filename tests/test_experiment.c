@@ -32,6 +32,7 @@ static const char fall[] =
     "  { name = `least`; of = `-vy`; during = `fall`; take = `min`; skip = 0.5; },\n"
     "  { name = `step_y`; of = `change(t)`; during = `fall`; take = `max`; every = 25; },\n"
     "  { name = `steps_y`; of = `change(t)`; during = `fall`; },\n"
+    "  { name = `first`; of = `t`; during = `land`; take = `first`; every = 70; },\n"
     "  { name = `weight`; of = `floor.fy`; }, { name = `side`; of = `floor.fx`; },\n"
     "  { name = `top`; of = `height`; }, { name = `l`; of = `left`; }, { name = `r`; of = `right`; },\n"
     "  { name = `touching`; of = `contacts`; }, { name = `columns`; of = `cells`; },\n"
@@ -50,7 +51,7 @@ static void test_closed_forms(void)
     /* a let named d leaves the mean grain's diameter as it is: columns; samples each 0.005 s; the first
      * beyond 25 cm/s is late */
     CHECK_EACH(measured(&t, NAME), 1e-12, {"t1", T}, {"T", 1e-4 * measured(&t, "s")}, {"mean_t", 0.0275},
-               {"late", 0.03}, {"step_y", 0.0025}, {"steps_y", 0.005});
+               {"late", 0.03}, {"first", 0.107}, {"step_y", 0.0025}, {"steps_y", 0.005});
     CHECK_NEAR(measured(&t, "rate_y"), -1000.0, 1e-6);
     CHECK_NEAR(measured(&t, "weight"), -0.04 * 1000.0, 0.4);
     CHECK_NEAR(measured(&t, "top"), 0.4, 1e-3);
@@ -180,25 +181,30 @@ static void test_line_of_correlated(void)
 static void test_forces(void)
 {
     static const char text[] =
-        "dt = 4.0e-5; normal = { gamma_n = 2000.0; }; rest = { energy = 1e-20; force = 1e-9; };\n"
+        "dt = 4.0e-5; gravity = (%s, -981.0); normal = { gamma_n = 2000.0; };\n"
+        "tangential = { law = `spring`; mu = 0.3; gamma_s = 2000.0; };\n"
+        "rest = { energy = 1e-20; force = 1e-9; };\n"
         "walls = ( { name = `side`; point = (-9.0, 0.0); direction = (1.0, 0.0); },\n"
         "  { name = `base`; point = (0.0, %s); direction = (%s, 1.0); } );\n"
         "particles = ( { x = 1.0; y = %s; r = 0.1; }, { x = 3.0; y = %s; r = 0.1; } );\n"
         "regions = { here = { x = (0.5, 1.5); y = (%s, 9.0); }; };\n"
         "phases = ( { name = `lie`; until = `rest`; most = 200000; go_on = true; } );\n"
         "measure = ( { name = `f`; of = `forces`; in = `here`; wall = `base`; } );\n";
-    static const char *const places[][5] = {{"0.0", "0.0", "0.099", "0.099", "0.0"},
-                                            {"-7.0", "0.0", "-6.901", "-6.901", "-7.0"},
-                                            {"0.0", "0.2", "-0.09", "-0.49", "-1.0"}};
+    static const char *const places[][6] = {{"0.0", "0.0", "0.0", "0.099", "0.099", "0.0"},
+                                            {"98.1", "-7.0", "0.0", "-6.901", "-6.901", "-7.0"},
+                                            {"0.0", "0.0", "0.2", "-0.09", "-0.49", "-1.0"}};
     for (size_t k = 0; k < 3; k++) {
         const char *const *at = places[k];
-        RUN_TRIAL(t, check_text(text, at[0], at[1], at[2], at[3], at[4]), 1000, k < 2 ? "ok" : "no_pile");
+        RUN_TRIAL(t, check_text(text, at[0], at[1], at[2], at[3], at[4], at[5]), 1000,
+                  k < 2 ? "ok" : "no_pile");
         if (k == 2) CU_ASSERT(strstr(exp_ended(t.run)->message, "the floor is not level") != NULL);
         if (k == 2) continue;
         /* of two such grains; half of the weight at an arm of half of d, less the overlap */
         CHECK_EACH(measured(&t, NAME), 1e-6, {"f_n", 0.5}, {"f_weight_error", 0.0}, {"f_balance_error", 0.0});
         CHECK_NEAR(measured(&t, "f_syy"), 0.5 * 0.5, 1e-3);
-        CHECK_NEAR(measured(&t, "f_h"), 0.0, 1e-12);
+        const double tangent = k == 1 ? 0.1 : 0.0; /* of gravity, which the floor holds */
+        CHECK_EACH(measured(&t, NAME), 1e-6, {"f_h", 0.5 * tangent}, {"f_friction", tangent}, {"f_sxx", 0.0},
+                   {"f_sxy", -tangent * measured(&t, "f_syy")}, {"f_syx", 0.0}, {"f_couple", -tangent});
         CU_ASSERT(isnan(measured(&t, "f_bulk"))); /* nothing presses from the sides */
     }
 }
@@ -363,6 +369,9 @@ static void test_refused(void)
         {hopper, "unit = `1/s`", "meaning = `caf\xe9`", "meaning: a text on one line"},
         {hopper, "name = `flow`", "name = `fill`", "name = \"fill\": names two phases"},
         {hopper, "bulk = {", "gate = {", "gate names a wall and a region"},
+        {hopper, "bulk = {",
+         "r234567890123456789012345678901 = { y = [0.0, 1.0]; }; r2345678901234567890123456789012 = {",
+         "\"r2345678901234567890123456789012\": the name of a region has up to 31 letters"},
         {hopper, "bulk = {", "D = {", "D names a let and a region"},
         {hopper, "mu = 0.2;", "mu = 0.2; height = 3.0;", "let.height: is an observable"},
         {hopper, "x = [0.5, 1.5]; y = [0.0, 1.0];", "z = 3;", "regions.bulk.z: unknown key"},
@@ -405,6 +414,7 @@ static void test_keys(void)
                                          {hopper, "every = 100", "every = 101", "another"},
                                          {hopper, "most = 40000", "most = 40001", "another"},
                                          {hopper, "clogged = `rest`", "clogged = `bulk.rest`", "another"},
+                                         {hopper, "clogged = `rest`", "jammed = `rest`", "another"},
                                          {hopper, "open = `gate`; ", "", "another"},
                                          {hopper, "x = [0.5, 1.5]", "x = [0.5, 1.6]", "another"},
                                          {hopper, "regions =", "rest = { looks = 9; }; regions =", "another"},
@@ -473,7 +483,7 @@ static void test_run(void)
     scoped_table series = read_table("whole/series_mean_y.tsv");
     CU_ASSERT(series.n_rows > 10);
     PRINTS("\nD\tlet\t1.6\tcm\t(0, 6)\toutlet\n", "params h.cfg");
-    CHECK_PARTS(out, "\nN\tlet\t60\t-\t-\t-\n", "\nrate\tmeasure\t-\t1/s\t-\t");
+    CHECK_PARTS(out, "\nN\tlet\t60\t-\t-\t-\nstop\tlet\t20\t-\t-\t-\n", "\nrate\tmeasure\t-\t1/s\t-\t");
     FAILS(64, "--every needs -o DIR", "run h.cfg --every 3");
     FAILS(65, "--set Q=1: no such key or let; lets: D mu", "run h.cfg --set Q=1");
     FAILS(65, "--set Mu=0.3: no such key or let (did you mean \"mu\"?)", "run h.cfg --set Mu=0.3");
@@ -751,6 +761,16 @@ static void test_walls(void)
     CHECK_NEAR(y * cos(0.2) - x * sin(0.2), 0.1, 1e-3);
     CHECK_NEAR(x * cos(0.2) + y * sin(0.2), 0.5, 2e-2);
     CHECK_NEAR(measured(&t, "f"), -0.01 * 1000.0, 0.05);
+    /* a grain that rolls hands the floor its resistance, mu r F_n, which turns against its push */
+    static const char rolls[] =
+        "dt = 1.0e-5; gravity = (0.0, 0.0); rotation = true; rolling = { model = `constant`; mu = 0.2; };\n"
+        "tangential = { law = `spring`; mu = 0.5; gamma_s = 0.0; };\n"
+        "walls = ( { name = `floor`; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+        "particles = ( { x = 1.0; y = 0.09; r = 0.1; m = 0.01; omega = 10.0; } );\n"
+        "phases = ( { name = `look`; steps = 1; } );\n"
+        "measure = ( { name = `arm`; of = `floor.torque/floor.fy`; } );\n";
+    RUN_TRIAL(rolling, rolls, 1, "ok");
+    CHECK_NEAR(measured(&rolling, "arm"), 1.0 - 0.2 * 0.1, 1e-9);
 }
 
 /* On a plate that moves as A sin(w t) a grain lifts off where A w^2 > g, at sin(w t) = g/(A w^2). */
@@ -823,7 +843,7 @@ static void test_modules(void)
     /* the two that overlap by a hundredth are the only ones that touch */
     CHECK_EACH(measured(&t, NAME), 0.0, {"two", measured(&t, "s_r2_deg")}, {"s_cells", 20.0},
                {"d__grains", 2.0});
-    CHECK_EACH(measured(&t, NAME), 1e-9, {"d__left", 8.9}, {"d__right", 9.29});
+    CHECK_EACH(measured(&t, NAME), 1e-9, {"d__left", 8.9}, {"d__right", 9.29}, {"d__height", 0.2});
 }
 
 /* Flanks of a lattice, 60 degrees, with a grain that flies above and one that has run out; those of all
@@ -1012,6 +1032,10 @@ static void test_refused_more(void)
          "up: two sides of the polygon cross"},
         {lift, "measure = ( {",
          "regions = { up = { y = (0.0, 5.0); }; }; measure = ( { name = `s`; of = `up.sxx`; }, {",
+         "up.sxx: over the area of a region, whose x and y have two ends"},
+        {lift, "measure = ( {",
+         "regions = { up = { x = (0.0, `inf`); y = (`t`, 5.0); }; }; measure = ( { name = `s`; of = "
+         "`up.sxx`; }, {",
          "up.sxx: over the area of a region, whose x and y have two ends"},
         {lift, "measure = ( {",
          "regions = { up = { circle = (0.0, 5.0, 1.0); }; }; measure = ( { name = `s`; of = `profile`; in = "

@@ -215,10 +215,11 @@ static const char several[] =
     "dt = 1e-5; steps = 10;\n"
     "walls = ( { name = \"bin\"; polygon = ( (0.0, 30.0), (0.0, 0.0), (4.0, 0.0), (4.0, 30.0) ); closed = "
     "false; } );\n"
-    "particles = ( { x = 2.0; y = 20.0; r = 0.3; } );\n"
+    "particles = ( { x = 0.4; y = 6.05; r = 0.3; }, { x = 1.2; y = 6.05; r = 0.3; },\n"
+    "  { x = 2.0; y = 6.05; r = 0.3; }, { x = 2.8; y = 6.05; r = 0.3; } ); # reach into the fills\n"
     "fill = ( { kind = \"bed\"; pattern = \"row\"; W = 4.0; fixed = true; },\n"
-    "  { kind = \"small\"; N = 150; W = 4.0; H = 6.0; }, { if = false; N = 7; W = 1.0; H = 1.0; },\n"
-    "  { kind = \"large\"; N = 12; W = 4.0; H = 6.0; density = 2.5; radius_mean = 0.2; radius_width = 0.0; } "
+    "  { kind = \"small\"; N = 150; W = 4.0; H = 5.9; }, { if = false; N = 7; W = 1.0; H = 1.0; },\n"
+    "  { kind = \"large\"; N = 12; W = 4.0; H = 5.9; density = 2.5; radius_mean = 0.2; radius_width = 0.0; } "
     ");\n";
 
 static void test_several(void)
@@ -234,7 +235,7 @@ static void test_several(void)
     double nearest = INFINITY;
     for (size_t i = 0; i < n; i++) {
         const dem_grain *g = &grains[i];
-        CU_ASSERT(g->fixed == (i >= 1 && i < ends[0]));
+        CU_ASSERT(g->fixed == (i >= 4 && i < ends[0]));
         CU_ASSERT(g->x >= g->r * (1.0 - 1e-9) && g->x <= 4.0 - g->r * (1.0 - 1e-9) &&
                   g->y >= g->r * (1.0 - 1e-9)); /* none touches a wall */
         if (i >= ends[1]) CHECK_NEAR(g->m, dem_mass(DEM_SPHERE, 2.5, 0.2), 1e-15);
@@ -242,7 +243,7 @@ static void test_several(void)
             nearest = fmin(nearest, hypot(g->x - grains[k].x, g->y - grains[k].y) - g->r - grains[k].r);
     }
     CU_ASSERT(nearest >= -1e-14);
-    CU_ASSERT(grains[ends[0]].r != grains[1].r); /* streams of its own */
+    CU_ASSERT(grains[ends[0]].r != grains[4].r); /* streams of its own */
     check_reread(&s, n, grains);
 }
 
@@ -289,6 +290,14 @@ static void test_sparse(void)
         CU_ASSERT(status == (cases[k].n ? RP_OK : RP_NO_RESULT) && n == cases[k].n);
         if (n == cases[k].n && n > 0) CHECK_NEAR(grains[n - 1].y, cases[k].y, 1e-12);
     }
+    scoped_scene large; /* what walls cut off is not looked for, in so many nodes */
+    scoped dem_grain *grains = NULL;
+    size_t n = 0;
+    CHECK_OK(grains_read(
+        "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } ); fill = { N = 3; W = 1e6; H = 1e6; };",
+        NULL, &large));
+    CHECK_OK(dem_scene_grains(&large, &grains, &n));
+    CU_ASSERT(n == 3);
 }
 
 /* What leaves no grain, or more than there may be. */

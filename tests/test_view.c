@@ -1033,19 +1033,24 @@ static void test_closing_line(void)
     char grains[4096] = "";
     for (int k = 0; k < 12; k++)
         snprintf(grains + strlen(grains), sizeof grains - strlen(grains),
-                 "%s{ x = %g; y = %g; r = 0.1; fixed = true; }", k ? ", " : "", 0.1 + 0.2 * k, 2.0 - 0.1 * k);
-    write_text("stairs.cfg", "steps = 10; %s particles = ( %s );\n", walls, grains);
+                 "%s{ x = %g; y = %g; r = 0.1; fixed = true; }", k ? ", " : "", 0.1 + 0.2 * k,
+                 -1.0 - 0.1 * k);
+    write_text(
+        "stairs.cfg",
+        "steps = 10; walls = ( { point = [0.0, -3.0]; direction = [0.0, 1.0]; } ); particles = ( %s );\n",
+        grains);
     GOOD("run stairs.cfg -o d");
     CU_ASSERT(strncmp(err, "repose run: 12 grains, 10 steps, t = 0.0005 s; at rest; theta_R = ", 66) == 0);
     CHECK_NEAR(strtod(err + 66, NULL), 180.0 / M_PI * atan(0.5), 0.05); /* one decimal is printed */
     CU_ASSERT(strstr(err, ", over x = 0 to 2.4 cm (method 3); tables in d\n") != NULL);
     GOOD("run stairs.cfg -o d --force --quiet");
     CU_ASSERT_STRING_EQUAL(err, "");
-    write_text("open.cfg",
-               "steps = 10; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; }, { point = [2.0, 0.0]; "
-               "direction = [-1.0, 0.0]; open_at_step = 5; }, { point = [0.6, 0.0]; direction = [1.0, 0.0]; "
-               "} ); particles = ( %s );\n",
-               grains);
+    write_text(
+        "open.cfg",
+        "steps = 10; walls = ( { point = [0.0, -3.0]; direction = [0.0, 1.0]; }, { point = [2.0, 0.0]; "
+        "direction = [-1.0, 0.0]; open_at_step = 5; }, { point = [0.6, 0.0]; direction = [1.0, 0.0]; "
+        "} ); particles = ( %s );\n",
+        grains);
     write_text("level.cfg",
                "steps = 10; %s particles = ( { x = 0.3; y = 0.1; r = 0.1; fixed = true; }, { x = "
                "0.6; y = 0.1; r = 0.1; fixed = true; } );\n",
@@ -1145,6 +1150,9 @@ static void test_sweep_progress(void)
         const int slave = k == 0 ? dup(fileno(file)) : open(ptsname(terminal), O_RDWR | O_NOCTTY);
         dup2(slave, STDERR_FILENO);
         cli_sweep_progress(&options, false, &progress);
+        sweep_watch *watch = cli_watch(false); /* of plans of 100000 runs or more */
+        CU_ASSERT((watch != NULL) == (k == 1) && !cli_watch(true));
+        if (watch) watch("few", 9, 99999), watch("parts", 1, 100000), watch("parts", 100000, 100000);
         for (int i = 0; i < SHOWN; i++) options.watch(&shown[i], options.context);
         dup2(kept, STDERR_FILENO);
         if (k == 0) rewind(file);
@@ -1157,6 +1165,7 @@ static void test_sweep_progress(void)
             CU_ASSERT_STRING_EQUAL(text, "repose sweep: 2 of 30 runs, 1 failed, 1:15 left\n"
                                          "repose sweep: 15 of 30 runs, 2 failed, 1:01:01 left\n");
         static const char *const bars[] = {
+            "\r1 of 100000 parts\r100000 of 100000 parts\r\n",
             "[                              ] 0/30  0 failed  0:00  left - ",
             "] 1/30 ",
             "] 2/30 ",
@@ -1165,7 +1174,7 @@ static void test_sweep_progress(void)
             "[##############################] 30/30 "};
         const char *at = text;
         for (size_t i = 0; k == 1 && at && i < sizeof bars / sizeof *bars; i++) at = strstr(at, bars[i]);
-        CU_ASSERT(at && !strstr(text, "] 3/30"));
+        CU_ASSERT(at && !strstr(text, "few") && !strstr(text, "] 3/30"));
     }
     close(kept), close(terminal);
 }

@@ -32,7 +32,7 @@ files='analytic/*.c src/angle/*.c src/core/sparse.c src/core/elementary.c src/st
     validation/cases.c validation/oblique.c validation/solved_pile.c'
 
 suites_of() {
-    case $1 in src/* | sweeps/*) echo scene experiment golden ;; esac # what all of it ends in
+    case $1 in src/* | sweeps/*) echo scene experiment actions golden ;; esac # what all of it ends in
     case $1 in
     analytic/*) echo property analytic ;;
     src/angle/*) echo property angle view tables cli ;;
@@ -40,6 +40,7 @@ suites_of() {
     report/verdict.c) echo claims ;;
     src/stats/lines.c | src/stats/trend.c) echo trend evidence calibrate_text tables angle ;;
     src/stats/identify.c | src/stats/least.c) echo identify calibrate_text ;;
+    src/experiment/modules/base.c) echo piles experiment columns ;;
     src/experiment/*) echo expression experiment actions columns repose flux drop stress sweep snapshot ;;
     src/core/elementary.c) echo core expression golden ;;
     src/dem/change.c) echo actions experiment ;;
