@@ -104,8 +104,9 @@ CODE    := $(filter-out %/version.o $(REPORTER),$(ALL)) | $(REPOSE)
 vpath %.cfg sweeps/lh sweeps/li sweeps/studies sweeps/val
 vpath %.gp figures/lh figures/li figures/studies figures/val
 $(SWEEPS:%=$(T)/%/done): $(T)/%/done: %.cfg $(CODE)
-	@echo "sweep   $*" && $(REPOSE) sweep make $< -o $(B)/sweeps/$* --tables $(@D) -j $(JOBS) && touch $@
-	@echo "sweep   $* is made, $$(ls $(SWEEPS:%=$(T)/%/done) 2>/dev/null | wc -l) of $(words $(SWEEPS)) are"
+	@echo "sweep   $*"
+	@$(REPOSE) sweep make $< -o $(B)/sweeps/$* --tables $(@D) -j $(JOBS)
+	@touch $@ && echo "sweep   $* is made, $$(ls $(SWEEPS:%=$(T)/%/done) 2>/dev/null | wc -l) of $(words $(SWEEPS)) are"
 $(SUITES:%=$(T)/%/done): $(T)/%/done: validation/%.c $(CODE) $(B)/check
 	@echo "check   --full $*"; mkdir -p $(@D); REPOSE=$(REPOSE) $(B)/check --full -o $(T) $* >$(@D)/log || { cat $(@D)/log; exit 1; }; touch $@
 $(T)/claims/done: report/claims.tsv results/lh_choices/points.tsv $(REPORTER) | $(REPORT)

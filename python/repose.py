@@ -29,8 +29,11 @@ class Error(Exception):
     """The program failed: its message, and its exit status as `status`."""
 
     def __init__(self, message, status):
-        super().__init__(message)
+        super().__init__(message, status)
         self.status = status
+
+    def __str__(self):
+        return self.args[0]
 
 
 def _number(text):

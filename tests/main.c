@@ -323,6 +323,7 @@ int main(int argc, char **argv)
                                             {"test", required_argument, NULL, 't'},
                                             {NULL, 0, NULL, 0}};
     long jobs = 1;
+    signal(SIGHUP, SIG_DFL);        /* under nohup too: tests stop programs by it */
     setenv("LC_ALL", "C.UTF-8", 1); /* of all programs that tests start, whatever the user's is */
     for (int c; (c = getopt_long(argc, argv, "o:j:", options, NULL)) != -1;) {
         if (c == '?') return 64;

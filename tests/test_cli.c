@@ -1724,6 +1724,9 @@ static void test_run_stopped(void)
                "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; fill_steps = 100; stop = \"steps\"; };\n"
                "grid = { relax_steps = [100, 1000000000]; };\n");
     GOOD("run s.cfg --every 10 -o d --force");
+    SHELL("\"$REPOSE\" run s.cfg --every 10 -o closed <&- >&- 2>&-; grep -v '^#' closed/states.tsv >out; "
+          "grep -v '^#' "
+          "d/states.tsv | cmp - out");
     GOOD("run r.cfg --row 0 -o r");
     SHELL("cat d/*.tsv r/* >before");
     static const char *const signals[] = {"TERM", "INT", "HUP"};
@@ -1747,6 +1750,14 @@ static void test_run_stopped(void)
                            "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n");
     SHELL_FAILS(75, "stopped at step",
                 "\"$REPOSE\" run many.cfg >out 2>err & p=$!; sleep 0.5; kill $p; wait $p");
+    /* nohup: until the run, or the sweep, has ended */
+    SHELL("for what in 'run many.cfg --set steps=30000' 'sweep make r.cfg -o n --set x'; do set -- $what; [ "
+          "$1 = run ] || "
+          "{ sed 's/100, 1000000000/3000, 4000/' r.cfg >n.cfg; set -- sweep make n.cfg -o n -j 1; }; trap '' "
+          "HUP; "
+          "\"$REPOSE\" \"$@\" >out 2>err & p=$!; trap - HUP; while kill -HUP $p 2>/dev/null; do sleep 0.02; "
+          "done; "
+          "wait $p || exit 1; done");
     /* neither a run that can be resumed nor that of another process is thrown away */
     SHELL("touch d/unfinished/snapshot");
     FAILS(65, "an unfinished run; continue with --resume d", "run s.cfg -o d --force");

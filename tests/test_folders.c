@@ -37,12 +37,17 @@ static void test_refusals(void)
     write_text("w.cfg", SWEEP);
     GOOD("run s.cfg -o r");
     GOOD("sweep plan w.cfg -o w");
-    GOOD("sweep run w -j 1 --quiet");
+    GOOD("sweep make w.cfg -o w -j 1 --quiet");
+    write_text("w2.cfg", SWEEP);
+    write_text("f.cfg", FIT);
     SHELL("mkdir -p row/unfinished; no=$(printf %032d | tr 0 -); echo x >row/unfinished/snapshot; printf "
           "'repose folder 1\\nholds: \\n= %s unfinished\\n' $no >row/.repose; printf 'repose parts 1\\n"
           "holds: w.cfg row 1 (go)\\n- %s snapshot\\n' $no >row/unfinished/.repose");
     static const char *const cases[][3] = {
         {"cp -a row/. d", "pile -o d", "continue with the command that began it, of w.cfg row 1 (go)"},
+        {"cp -a r/. d", "calibrate f.cfg -o d", "d: holds "},
+        {"cp -a w/tables d", "sweep make w2.cfg -o d2 --tables d/tables",
+         "d/tables/runs.tsv: of the sweep w; give another --tables, or --force"},
         {"cp -a row/. d", "run s.cfg -o d --force",
          "continue with the command that began it, of w.cfg row 1"},
         {"cp -a row/. d", "run --resume d", "the command that began it continues w.cfg row 1 (go)"},

@@ -2,6 +2,7 @@
  */
 #include "cli/cli.h"
 
+#include <fcntl.h>
 #include <gsl/gsl_errno.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -168,8 +169,16 @@ static char *line_of(rp_arena *arena, const char *name, int argc, char *const ar
     return line;
 }
 
+/* A stream that is closed would be the first table that is opened. Writing to standard output still fails. */
+static void hold_streams(void)
+{
+    for (int k = 0; k < 3; k++)
+        if (fcntl(k, F_GETFD) < 0) (void)!open("/dev/null", k == 2 ? O_WRONLY : O_RDONLY);
+}
+
 int cli_main(const cli_program *program, int argc, char **argv)
 {
+    hold_streams();
     signal(SIGXFSZ, SIG_IGN); /* a file that reaches the limit of its size is a failed write */
     rp_arena arena = {.exhausted = exhausted};
     cli_call call = {.arena = &arena, .program = program, .line = line_of(&arena, program->name, argc, argv)};

@@ -262,5 +262,5 @@ void cli_on_stop(void (*handler)(int))
 {
     signal(SIGINT, handler);
     signal(SIGTERM, handler);
-    signal(SIGHUP, handler);
+    if (signal(SIGHUP, handler) == SIG_IGN) signal(SIGHUP, SIG_IGN); /* nohup */
 }

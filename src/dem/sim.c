@@ -133,14 +133,35 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     return start_forces(sim, def);
 }
 
+/* Words of a scene file, which a caller gives as numbers. */
+static rp_status check_choices(const dem_definition *def)
+{
+    const struct {
+        const char *name;
+        unsigned value, n;
+    } choices[] = {{"integrator", def->integrator, DEM_INTEGRATORS},
+                   {"normal", def->normal, DEM_NORMAL_N},
+                   {"tangential", def->tangential, DEM_TANGENTIAL_N},
+                   {"kernel", def->kernel, DEM_KERNELS},
+                   {"slip", def->slip, DEM_SLIPS(DEM_ONE)},
+                   {"damping", def->damping, DEM_DAMPINGS(DEM_ONE)},
+                   {"rolling", def->rolling, DEM_ROLLINGS(DEM_ONE)},
+                   {"rolling_arm", def->rolling_arm, DEM_ARMS(DEM_ONE)},
+                   {"shape", def->shape, DEM_SHAPES(DEM_ONE)},
+                   {"solver", def->implicit.solver, DEM_SOLVERS(DEM_ONE)},
+                   {"ground.set", def->ground.set, DEM_WELL_SETS(DEM_ONE)}};
+    for (size_t k = 0; k < sizeof choices / sizeof *choices; k++)
+        if (choices[k].value >= choices[k].n)
+            return rp_fail(RP_BAD_INPUT, "%s = %d: no such choice", choices[k].name, (int)choices[k].value);
+    return RP_OK;
+}
+
 rp_status dem_create(const dem_definition *def, dem_sim **sim)
 {
     *sim = NULL;
-    if ((unsigned)def->integrator >= DEM_INTEGRATORS || (unsigned)def->normal >= DEM_NORMAL_N ||
-        (unsigned)def->tangential >= DEM_TANGENTIAL_N || (unsigned)def->kernel >= DEM_KERNELS)
-        return rp_fail(RP_BAD_INPUT,
-                       "integrator = %d, normal = %d, tangential = %d, kernel = %d: no such choice",
-                       (int)def->integrator, (int)def->normal, (int)def->tangential, (int)def->kernel);
+    RP_TRY(check_choices(def));
+    if ((def->n_grains && !def->grains) || (def->n_contacts && !def->contacts))
+        return rp_fail(RP_BAD_INPUT, "%s: NULL", def->n_grains && !def->grains ? "grains" : "contacts");
     dem_definition own = *def;
     rp_status status = dem_physics_resolve(&own);
     if (!status) status = dem_definition_check(&own);

@@ -33,8 +33,9 @@ typedef struct {
     void *host;
     /* May a point be asked for? NULL: any of the ranges. */
     bool (*allowed)(void *host, const double x[]);
-    /* Make the runs of a stage, from 0: n points of n_names coordinates each, replicas[group] at each; fill
-     * in runs[k n + point]. With fixed_runs: *n and *x are the host's own, runs too. */
+    /* Make the runs of a stage, from 0: n points of n_names coordinates each, replicas[group] at each.
+     * *runs becomes an array of the host's, which lives until the next call: number k at a point is runs[k n
+     * + point]. With fixed_runs: *n and *x are the host's own too. */
     rp_status (*run)(void *host, size_t stage, size_t *n, const double **x, const size_t replicas[],
                      stats_runs **runs);
 } stats_quest;

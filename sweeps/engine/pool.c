@@ -454,10 +454,12 @@ rp_status sweep_pool_run(const sweep_folder *folder, size_t todo[], size_t n, co
     p.progress = (sweep_progress){counts->planned, counts->stored, counts->failed, 0.0, NAN};
     p.n_workers = (size_t)options->workers < n ? (size_t)options->workers : n;
     sigset_t stops, before;
+    struct sigaction now;
     sigemptyset(&stops);
     sigaddset(&stops, SIGINT);
     sigaddset(&stops, SIGTERM);
-    sigaddset(&stops, SIGHUP);
+    if (sigaction(SIGHUP, NULL, &now) == 0 && now.sa_handler != SIG_IGN)
+        sigaddset(&stops, SIGHUP); /* nohup */
     sigprocmask(SIG_BLOCK, &stops, &before);
     p.signals = signalfd(-1, &stops, SFD_CLOEXEC | SFD_NONBLOCK);
     rp_status status =

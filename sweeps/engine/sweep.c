@@ -289,6 +289,11 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
     size_t *todo, n = 0;
     const bool whole = options->shards == 0;
     RP_TRY(rp_check_range("workers", options->workers, 1.0, DBL_MAX, "[1, inf)"));
+    const double limits[] = {options->memory, options->time, options->patience, options->slow,
+                             options->snapshot};
+    for (size_t k = 0; k < sizeof limits / sizeof *limits; k++)
+        RP_TRY(
+            rp_check_range("memory, time, patience, slow or snapshot", limits[k], 0.0, INFINITY, "[0, inf]"));
     if (!whole && (options->shard < 1 || options->shard > options->shards))
         return rp_fail(RP_BAD_INPUT, "shard = %d/%d: out of range, allowed: 1/%d to %d/%d", options->shard,
                        options->shards, options->shards, options->shards, options->shards);
@@ -461,8 +466,10 @@ rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, 
                       const sweep_tables *tables, rp_arena *arena, const sweep_output **outputs,
                       sweep_result *result)
 {
+    static const sweep_tables none = {0};
     sweep_plan *plan;
     char owner[33], why[1024] = "";
+    if (!tables) tables = &none;
     sweep_keep *keep = tables->keep;
     RP_NEW(arena, plan, 1);
     rp_arena_keep(arena, plan, free_plan);

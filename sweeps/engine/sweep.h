@@ -145,7 +145,7 @@ rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, 
                        size_t *n_rows);
 
 /* Make run number `row` of a sweep `file` again, in this process, and leave its tables. Sets *outputs, names
- * and units in an arena, and *result. With tables->keep, whose path, interval and stop are set, the run
+ * and units in an arena, and *result. tables may be NULL. With tables->keep, whose path, interval and stop are set, the run
  * resumes from there. Errors: RP_BAD_INPUT (the file, a row it does not have, the snapshot of another run),
  * RP_STOPPED, RP_IO, the protocol's. */
 rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row,

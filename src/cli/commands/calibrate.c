@@ -10,6 +10,7 @@
 #include "cli/cli.h"
 
 #include "core/file.h"
+#include "core/folder.h"
 #include "core/version.h"
 #include "params/config.h"
 #include "params/expression.h"
@@ -713,6 +714,9 @@ static rp_status calibrate(cli_call *call, const void *values)
     if (file && (!isinf(o->theta_r_deg) || !isinf(o->error_deg) || !isinf(o->theta_t_deg) ||
                  !isinf(o->theta_t_error_deg)))
         return rp_fail(RP_USAGE, "%s says what is measured: no --theta-r-deg and no --theta-t-deg", file);
+    RP_ENDS(rp_folder_close) rp_folder folder = {0};
+    if (!o->dry_run && !rp_folder_open(o->o, &folder) && folder.marked && *folder.holds)
+        return rp_fail(RP_BAD_INPUT, "%s: holds %s; give another folder", o->o, folder.holds);
     if (o->dry_run && !(o->o = mkdtemp(aside))) return rp_fail(RP_IO, "%s: %s", aside, strerror(errno));
     problem s = {.call = call, .o = o};
     rp_status status = file ? RP_OK : write_file(call, o, &file);

@@ -348,6 +348,23 @@ static rp_status make_step(const making *m, const step *s)
     return status;
 }
 
+/* Tables of another sweep do not give way to this one's. */
+static rp_status check_sweep(const making *m)
+{
+    const char *path = rp_text(m->call->arena, "%s/runs.tsv", m->tables);
+    char head[8192];
+    FILE *in = m->o->force ? NULL : fopen(path, "r");
+    if (!in) return RP_OK;
+    head[fread(head, 1, sizeof head - 1, in)] = '\0';
+    fclose(in);
+    const char *source = strstr(head, "\n# source: ");
+    const size_t n = source ? strcspn(source += 11, " \n") : 0;
+    return !source || (n == strlen(m->recipe.name) && strncmp(source, m->recipe.name, n) == 0)
+               ? RP_OK
+               : rp_fail(RP_BAD_INPUT, "%s: of the sweep %.*s; give another --tables, or --force", path,
+                         (int)n, source);
+}
+
 /* What a first look shows of the tables, which are made after all runs: a person's file, a row too many. */
 static rp_status check_steps(const making *m, size_t n_runs)
 {
@@ -376,6 +393,7 @@ static rp_status act_make(cli_call *call, const void *values)
     if (!status) status = read_list(&m, "model", read_model);
     m.tables = strcmp(m.o->tables, "auto") ? m.o->tables : rp_text(call->arena, "%s/tables", m.o->o);
     sweep_counts counts = {0};
+    if (!status && m.recipe.has_runs) status = check_sweep(&m);
     if (!status && m.recipe.has_runs) status = plan_runs(&m, &counts);
     if (!status) status = check_steps(&m, counts.planned);
     if (!status) status = rp_make_directory(m.tables); /* after all checks, before the first run */

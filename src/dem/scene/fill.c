@@ -274,6 +274,10 @@ rp_status dem_fill_grains(const dem_fill *f, dem_grain *grains, size_t *n)
 {
     RP_SCOPE(memory);
     const bool row = f->pattern == DEM_PATTERN_ROW;
+    if ((unsigned)f->pattern >= DEM_PATTERNS(DEM_ONE) || (unsigned)f->law >= DEM_RADIUS_LAWS(DEM_ONE) ||
+        (unsigned)f->by >= DEM_SHARES(DEM_ONE) || (unsigned)f->shape >= DEM_SHAPES(DEM_ONE))
+        return rp_fail(RP_BAD_INPUT, "fill: pattern = %d, law = %d, by = %d, shape = %d: no such choice",
+                       (int)f->pattern, (int)f->law, (int)f->by, (int)f->shape);
     if (!(f->W >= 0.0 && isfinite(f->W)) || !(f->H >= 0.0) || (isinf(f->H) && !row) ||
         !isfinite(f->x0 + f->y0 + f->spacing + f->density))
         return rp_fail(RP_BAD_INPUT,
