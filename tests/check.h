@@ -1,4 +1,5 @@
-/* Shared by the test files. A suite is one function and one line in the list. */
+/* Shared by the test files, which name no more the headers that stand here. A suite is one function and one
+ * line in the list. */
 #ifndef CHECK_H
 #define CHECK_H
 
@@ -6,6 +7,8 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "core/status.h"
 

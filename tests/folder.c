@@ -4,7 +4,6 @@
 #include <ftw.h>
 #include <glob.h>
 #include <stdarg.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #include "tests/check.h"

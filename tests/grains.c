@@ -3,8 +3,6 @@
 
 #include <stdarg.h>
 #include <stddef.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "core/arena.h"
 #include "dem/state/state.h"

@@ -2,15 +2,11 @@
 #include "tests/program.h"
 
 #include <limits.h>
-#include <math.h>
 #include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "tests/check.h"
 #include "tests/folder.h"
 
 static char folder[FOLDER_PATH], program[PATH_MAX], beside[PATH_MAX];

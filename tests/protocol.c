@@ -1,12 +1,7 @@
 #include "tests/protocol.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "dem/scene/scene.h"
 #include "sweeps/engine/experiment.h"
-#include "tests/check.h"
 #include "tests/program.h"
 
 const sweep_protocol *protocol_of(const sweep_protocol *protocol)

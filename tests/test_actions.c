@@ -1,9 +1,4 @@
 /* What phases do: loads on walls, laws that change, grains that come and go, going back, kept ends. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "check.h"
 #include "grains.h"
 #include "trial.h"
 

@@ -1,7 +1,6 @@
 /* Analytic force models: lattice, continuum, polygonal profiles, each against a second method. */
 #include <float.h>
 #include <gsl/gsl_integration.h>
-#include <stdlib.h>
 
 #include "analytic/analytic.h"
 #include "tests/check.h"

@@ -4,7 +4,6 @@
 #include <gsl/gsl_poly.h>
 #include <gsl/gsl_randist.h>
 #include <gsl/gsl_statistics_double.h>
-#include <string.h>
 
 #include "angle/angle.h"
 #include "stats/stats.h"

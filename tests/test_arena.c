@@ -1,7 +1,5 @@
 /* Memory of one command: what is kept is freed once, the latest first; texts and paths; failures. */
 #include <limits.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "core/arena.h"
 #include "tests/check.h"

@@ -2,18 +2,12 @@
 #include <ctype.h>
 #include <glob.h>
 #include <gsl/gsl_cdf.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "table/table.h"
 #include "report/claims.h"
 #include "sweeps/engine/private.h"
 #include "sweeps/protocols/protocols.h"
-#include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/program.h"
 

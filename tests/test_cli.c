@@ -3,8 +3,6 @@
 #include <fcntl.h>
 #include <limits.h>
 #include <signal.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/ptrace.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -13,9 +11,7 @@
 
 #include "cli/cli.h"
 #include "core/clock.h"
-#include "sweeps/protocols/protocols.h"
 #include "cli/derive/derive.h"
-#include "tests/check.h"
 #include "tests/protocol.h"
 #include "tests/folder.h"
 #include "tests/numbers.h"

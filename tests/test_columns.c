@@ -2,16 +2,10 @@
  * time, in another way, from grains and contacts, from planted rows, or from a shorter run. */
 #include <complex.h>
 #include <malloc.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "core/clock.h"
-#include "dem/scene/scene.h"
 #include "stats/stats.h"
 #include "stress/stress.h"
-#include "sweeps/protocols/protocols.h"
-#include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/grains.h"
 #include "tests/numbers.h"

@@ -2,8 +2,6 @@
 #include <fcntl.h>
 #include <gsl/gsl_cdf.h>
 #include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

@@ -1,11 +1,8 @@
 /* The simulator: symmetries, conservation, the neighbour list, kernels, faults, bad input. */
 #include <float.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "dem/setup/definition.h"
 #include "dem/state/method.h"
-#include "dem/scene/scene.h"
 #include "dem/methods/methods.h"
 #include "tests/check.h"
 #include "tests/grains.h"

@@ -6,8 +6,6 @@
 #include <errno.h>
 #include <signal.h>
 #include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>
@@ -17,7 +15,6 @@
 
 #include "core/clock.h"
 #include "table/table.h"
-#include "sweeps/engine/sweep.h"
 #include "tests/check.h"
 #include "tests/faults.h"
 #include "tests/folder.h"

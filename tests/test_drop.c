@@ -1,11 +1,9 @@
 /* Dropped piles: initial contacts of a simulation, protocol `drop`, and the dip. */
 #include <float.h>
-#include <string.h>
 
 #include "stress/stress.h"
 #include "core/random.h"
 #include "dem/list/list.h"
-#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/numbers.h"
 #include "tests/protocol.h"

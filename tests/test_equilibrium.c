@@ -3,17 +3,11 @@
 #include <float.h>
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_math.h>
-#include <gsl/gsl_rng.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "analytic/analytic.h"
 #include "statics/bonds.h"
-#include "dem/dem.h"
 #include "statics/equilibrium.h"
 #include "sweeps/protocols/pile.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/numbers.h"
 #include "tests/program.h"

@@ -3,18 +3,13 @@
 #include <ctype.h>
 #include <glob.h>
 #include <libconfig.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
-#include "table/table.h"
 #include "dem/scene/text.h"
 #include "report/verdict.h"
 #include "sweeps/engine/experiment.h"
 #include "sweeps/engine/private.h"
 #include "sweeps/protocols/protocols.h"
-#include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/program.h"
 

@@ -1,11 +1,7 @@
 /* Experiments: observables and measures against closed forms, what is refused, and that cuts, snapshots and
  * sweeps change no bit. */
 #include <inttypes.h>
-#include <math.h>
-#include <string.h>
 
-#include "check.h"
-#include "program.h"
 #include "trial.h"
 
 /* Two grains fall from rest beside each other, then lie on a floor that is a wall with a name. */

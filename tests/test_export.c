@@ -2,11 +2,8 @@
  * standard library of Debian's Python; by LAMMPS, VTK and pandas where these are installed (`make
  * check-readers` installs them). */
 #include <limits.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "dem/law/laws.h"
-#include "tests/check.h"
 #include "tests/numbers.h"
 #include "tests/program.h"
 

@@ -2,11 +2,7 @@
  * the columns that tests/figures.txt names. Another column, table, row, factor or shift is another number. */
 #include <ctype.h>
 #include <glob.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
-#include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/program.h"
 

@@ -1,11 +1,7 @@
 /* Fills: laws of radii, patterns, several fills in one scene. */
-#include <math.h>
 #include <stddef.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "check.h"
-#include "dem/scene/scene.h"
 #include "grains.h"
 
 /* ---- laws of radii ---- */

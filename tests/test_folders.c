@@ -1,7 +1,5 @@
 /* What people keep in and beside the program's folders: no command changes it. */
 #include <gsl/gsl_rng.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/xattr.h>
@@ -9,7 +7,6 @@
 
 #include "core/file.h"
 #include "core/random.h"
-#include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/program.h"
 

@@ -1,13 +1,10 @@
 /* The corpus of the fuzzer, read again: inputs that reach much of the readers, and that once broke one. */
 #include <dirent.h>
 #include <limits.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "dem/scene/scene.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/fuzz/targets.h"

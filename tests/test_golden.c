@@ -2,14 +2,10 @@
  * one version are reused. Digests cover results of + - * / and sqrt only, so that they hold on any machine;
  * angles from atan are compared as numbers. All outputs stand in tests/golden.txt, with ten digits. */
 #include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
 #include <xxhash.h>
 
 #include "core/version.h"
-#include "dem/dem.h"
 #include "sweeps/engine/experiment.h"
-#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/grains.h"

@@ -2,9 +2,6 @@
  * commands' own words and schemas. */
 #include <jansson.h>
 #include <stdarg.h>
-#include <stddef.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "cli/cli.h"
 #include "params/expression.h"
@@ -15,7 +12,6 @@
 #include "report/pages.h"
 #include "sweeps/engine/experiment.h"
 #include "dem/scene/text.h"
-#include "tests/check.h"
 #include "tests/program.h"
 
 /* ---- a text line by line ---- */

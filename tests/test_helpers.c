@@ -1,15 +1,10 @@
 /* Tests of the tests: each helper by which a test fails must fail where it should, NaN included. */
 #include <limits.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "core/status.h"
 #include "core/version.h"
 #include "dem/state/state.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/program.h"
 #include "validation/cases.h"

@@ -2,9 +2,6 @@
  * often as they say, the signed roots of chi2 are normal, and what can't be told is said. */
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_randist.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "check.h"
 #include "core/arena.h"

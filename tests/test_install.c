@@ -1,12 +1,9 @@
 /* The installed tree: found from any folder, moved as a whole, used as a library. RP_INSTALLED names a prefix
  * to be tested instead of a fresh installation, as of a package. */
 #include <limits.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "cli/cli.h"
 #include "core/version.h"
-#include "tests/check.h"
 #include "tests/program.h"
 
 #define PASSES(...) CU_ASSERT(passes(__VA_ARGS__))

@@ -1,11 +1,6 @@
 /* Every key of a scene file and of a protocol matters: changing it changes the result of some run below. So
  * does every word of a key that takes words. A key that is read and then ignored fails here, and a new key
  * without a run that it changes as well. Keys that change no result by design are listed, with the reason. */
-#include <stdlib.h>
-#include <string.h>
-
-#include "dem/scene/scene.h"
-#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/protocol.h"

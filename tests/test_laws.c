@@ -1,7 +1,5 @@
 /* Every contact law of the lists in laws.h, with every feature and kernel: what is listed is tested. */
 #include <gsl/gsl_integration.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "core/clock.h"
 #include "dem/setup/definition.h"

@@ -1,8 +1,5 @@
 /* Elastic spheres by their material: Hertz, Mindlin. */
-#include <stdlib.h>
-
 #include "dem/law/law.h"
-#include "dem/scene/scene.h"
 #include "dem/state/state.h"
 #include "tests/check.h"
 #include "tests/grains.h"

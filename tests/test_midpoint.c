@@ -1,9 +1,5 @@
 /* The energy-conserving implicit integrator: against closed forms of the mid-point rule, conservation laws,
  * and direct solver against SOR sweeps. Lengths in diameters, masses in those of a disk. */
-#include <stdlib.h>
-#include <string.h>
-
-#include "dem/dem.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 

@@ -1,14 +1,10 @@
 /* Numbers in the lines above a table, `# key: ...`: each is computed a second time, from the table's own
  * rows, from what was written into its input, or by the library. */
 #include <gsl/gsl_math.h>
-#include <math.h>
 #include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "core/clock.h"
 #include "sweeps/protocols/pile.h"
-#include "tests/check.h"
 #include "tests/program.h"
 #include "tests/protocol.h"
 

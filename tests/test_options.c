@@ -1,11 +1,7 @@
 /* Every option of a command that computes something changes the rows that the command prints. An option that
  * is parsed and then ignored fails here, and so does a new option without a line below. */
 #include <jansson.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
-#include "tests/check.h"
 #include "tests/program.h"
 
 /* A command on the fixtures, and options to add, each by itself. */

@@ -2,15 +2,10 @@
  * contacts, unequal disks, runs without a result. */
 #include <gsl/gsl_fit.h>
 #include <gsl/gsl_statistics_double.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "experiment/modules/module.h"
 #include "stress/stress.h"
 #include "sweeps/protocols/pile.h"
-#include "sweeps/protocols/protocols.h"
-#include "tests/check.h"
 #include "tests/protocol.h"
 #include "tests/program.h"
 

@@ -2,12 +2,8 @@
  * that reads another column, row or table then stands beside words that do not fit. */
 #include <ctype.h>
 #include <glob.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "tests/protocol.h"
-#include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/program.h"
 

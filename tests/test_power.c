@@ -8,8 +8,6 @@
 #include <gsl/gsl_rng.h>
 #include <signal.h>
 #include <sqlite3.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -17,8 +15,6 @@
 
 #include "core/random.h"
 #include "core/file.h"
-#include "sweeps/engine/sweep.h"
-#include "tests/check.h"
 #include "tests/faults.h"
 #include "tests/folder.h"
 #include "tests/noise.h"

@@ -1,10 +1,8 @@
 /* Properties of every pile, outline, surface, collision and contact, tested on random ones. */
 #include <float.h>
-#include <stdlib.h>
 
 #include "analytic/analytic.h"
 #include "angle/angle.h"
-#include "dem/dem.h"
 #include "statics/equilibrium.h"
 #include "dem/law/bodies.h"
 #include "tests/check.h"

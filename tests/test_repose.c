@@ -1,14 +1,8 @@
 /* Protocol `repose`: its scene, and its outputs by a second method from the tables of a run. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "experiment/modules/module.h"
 #include "angle/angle.h"
-#include "dem/scene/scene.h"
 #include "dem/scene/text.h"
 #include "sweeps/engine/experiment.h"
-#include "sweeps/protocols/protocols.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/program.h"
 #include "tests/protocol.h"

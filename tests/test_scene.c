@@ -1,8 +1,4 @@
 /* Scene files: contents, refused input, and written scenes that read back to the same bits. */
-#include <stdlib.h>
-#include <string.h>
-
-#include "dem/scene/scene.h"
 #include "dem/state/state.h"
 #include "tests/check.h"
 #include "tests/folder.h"

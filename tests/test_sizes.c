@@ -1,7 +1,5 @@
 /* Grains of very different size: the search by size makes the list of the plain search, in the same order. */
 #include <gsl/gsl_randist.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "dem/state/state.h"
 #include "tests/check.h"

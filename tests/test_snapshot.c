@@ -3,8 +3,6 @@
 #include <fcntl.h>
 #include <limits.h>
 #include <signal.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
@@ -17,10 +15,7 @@
 
 #include "core/clock.h"
 #include "core/snapshot.h"
-#include "dem/dem.h"
 #include "sweeps/engine/keep.h"
-#include "sweeps/protocols/protocols.h"
-#include "tests/check.h"
 #include "tests/faults.h"
 #include "tests/folder.h"
 #include "tests/grains.h"

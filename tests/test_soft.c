@@ -1,8 +1,5 @@
 /* Soft particles on a ground, and how hard collisions become soft contacts: against closed forms. Lengths in
  * diameters, masses in those of a disk, g = 1. */
-#include <stdlib.h>
-
-#include "dem/dem.h"
 #include "dem/law/bodies.h"
 #include "dem/law/law.h"
 #include "tests/check.h"

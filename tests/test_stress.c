@@ -3,13 +3,9 @@
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_fit.h>
 #include <gsl/gsl_sort.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "analytic/analytic.h"
 #include "stress/stress.h"
-#include "dem/dem.h"
-#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/numbers.h"

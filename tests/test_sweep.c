@@ -1,11 +1,8 @@
 /* The sweep driver with toy protocols: plans, resume, crashes, determinism, tables, and every bad input. */
 #include <fcntl.h>
-#include <gsl/gsl_rng.h>
 #include <limits.h>
 #include <signal.h>
 #include <sqlite3.h>
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 #include <sys/resource.h>
 #include <sys/mman.h>
@@ -24,7 +21,6 @@
 #include "sweeps/engine/keep.h"
 #include "sweeps/engine/private.h"
 #include "sweeps/engine/physics.h"
-#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/protocol.h"
 #include "tests/folder.h"

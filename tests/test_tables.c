@@ -1,17 +1,11 @@
 /* Tables that a run leaves: every column of every table against a second computation from other columns. A
  * column that no test reads fails, so that a new one needs its own check. */
 #include <gsl/gsl_multifit.h>
-#include <gsl/gsl_statistics_double.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "analytic/analytic.h"
 #include "core/random.h"
-#include "dem/scene/scene.h"
 #include "stats/stats.h"
 #include "sweeps/protocols/protocols.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/numbers.h"
 #include "tests/program.h"

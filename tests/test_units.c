@@ -1,9 +1,6 @@
 /* A scene in other units is the same scene. Units that are powers of 2 change no digit, so that runs agree to
  * the bit; a number that stands in the code without a unit shows. Hertz' law takes the fourth root of a
  * length, and so exponents of lengths are multiples of 4, all others even. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "dem/setup/definition.h"
 #include "dem/state/state.h"
 #include "tests/check.h"

@@ -2,12 +2,9 @@
  * its colour and width; a gif file has every frame. */
 #include <fcntl.h>
 #include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "cli/progress.h"
-#include "tests/check.h"
 #include "tests/numbers.h"
 #include "tests/program.h"
 #include "view/view.h"

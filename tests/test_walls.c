@@ -1,13 +1,8 @@
 /* Walls that move, and walls of many sides: closed forms, changes of frame, corners, and equal bits. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "core/random.h"
 #include "core/snapshot.h"
 #include "dem/setup/definition.h"
-#include "dem/scene/scene.h"
 #include "dem/forces/forces.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/program.h"
 

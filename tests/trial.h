@@ -2,11 +2,6 @@
 #ifndef TRIAL_H
 #define TRIAL_H
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "check.h"
 #include "experiment/experiment.h"
 #include "program.h"
 

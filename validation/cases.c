@@ -1,9 +1,7 @@
 /* Cases of validation; see cases.h. */
 #include "validation/cases.h"
 
-#include <math.h>
 #include <stdarg.h>
-#include <stdlib.h>
 
 #include "table/table.h"
 #include "tests/check.h"

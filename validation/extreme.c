@@ -1,17 +1,12 @@
 /* Stiff and extreme cases, generated: each gives the result of a closed form or a conservation law, or is
  * refused with a message that names the fault; none crashes, hangs or gives a wrong number. One row per case.
  */
-#include <stdlib.h>
-#include <string.h>
-
 #include "analytic/analytic.h"
 #include "angle/angle.h"
 #include "core/clock.h"
-#include "table/table.h"
 #include "dem/law/law.h"
 #include "dem/state/method.h"
 #include "dem/state/state.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/program.h"
 

@@ -1,10 +1,7 @@
 /* Validation of the energy-conserving implicit integrator, Liffman, Chan & Hughes 1992, eq (24): energy over
  * many steps, phase error, cost of its solvers, and piles at the end of damped motion against static
  * solutions. Lengths in diameters, masses in those of a disk, g = 1. */
-#include <stdlib.h>
-
 #include "table/table.h"
-#include "dem/dem.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "validation/solved_pile.h"

@@ -8,8 +8,6 @@
  * first order, a kink (linear law, shear spring) of second, the exponent 3/2 of Hertz of order 5/2. Each
  * factor depends on the phase. */
 #include <gsl/gsl_fit.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "dem/state/method.h"
 #include "tests/check.h"

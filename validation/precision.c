@@ -4,8 +4,6 @@
  */
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "core/clock.h"
 #include "table/table.h"

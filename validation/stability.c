@@ -12,8 +12,6 @@
  * Measured. Compressed grains at rest are slightly displaced; the largest time step, set without the check of
  * the limit, for which the displacement does not grow. */
 #include <gsl/gsl_eigen.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "core/clock.h"
 #include "table/table.h"
