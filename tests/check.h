@@ -156,6 +156,14 @@ void check_all_near(const char *file, int line, const char *rows, double toleran
         CU_ASSERT(right_);                                                                                   \
     } while (0)
 
+/* A text of this name: what the statement writes to the stream `to`. */
+#define CHECK_WRITTEN(text, to, statement)                                                                   \
+    scoped char *text = NULL;                                                                                \
+    size_t text##_size;                                                                                      \
+    FILE *to = open_memstream(&text, &text##_size);                                                          \
+    statement;                                                                                               \
+    fclose(to)
+
 /* A text, in one of sixteen buffers, which take turns. */
 const char *check_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
 

@@ -249,7 +249,7 @@ double grains_energy(const dem_sim *sim)
 size_t grains_wrong_pairs(const dem_sim *sim)
 {
     const dem_grains *g = &sim->grains;
-    unsigned char *listed = calloc(g->n, g->n);
+    scoped unsigned char *listed = calloc(g->n, g->n);
     size_t wrong = 0;
     CU_ASSERT_PTR_NOT_NULL_FATAL(listed);
     for (size_t k = 0; k < sim->pairs.n; k++) {
@@ -263,7 +263,6 @@ size_t grains_wrong_pairs(const dem_sim *sim)
             const bool near = dem_dot(d, d) < reach * reach && g->inverse_mass[i] + g->inverse_mass[j] > 0.0;
             wrong += listed[i * g->n + j] != near;
         }
-    free(listed);
     return wrong;
 }
 
@@ -271,14 +270,14 @@ bool grains_same_bits(const dem_sim *a, const dem_sim *b)
 {
     const size_t n = dem_count(a), from = offsetof(dem_state, x), to = offsetof(dem_state, contacts);
     if (n != dem_count(b)) return false;
-    dem_state *s = calloc(2 * n + 1, sizeof *s), *t = s + n;
+    scoped dem_state *s = calloc(2 * n + 1, sizeof *s);
+    dem_state *t = s + n;
     dem_states(a, s);
     dem_states(b, t);
     bool same = true;
     for (size_t i = 0; i < n; i++) /* all but the padding */
         same &= s[i].id == t[i].id && s[i].contacts == t[i].contacts && s[i].fixed == t[i].fixed &&
                 memcmp((const char *)&s[i] + from, (const char *)&t[i] + from, to - from) == 0;
-    free(s);
     return same;
 }
 
@@ -320,10 +319,6 @@ void grains_refused(const char *text, const rp_texts *changes, const char *messa
 
 void grains_reread(const dem_scene *written, dem_scene *scene)
 {
-    scoped char *text = NULL;
-    size_t size;
-    FILE *out = open_memstream(&text, &size);
-    dem_scene_write(written, out);
-    fclose(out);
+    CHECK_WRITTEN(text, out, dem_scene_write(written, out));
     CHECK_OK(grains_read(text, NULL, scene));
 }

@@ -392,10 +392,7 @@ static void listed_overlaps(void)
         scoped_scene s = {0};
         scoped_sim *sim = NULL;
         CHECK_OK(grains_read(text, &cases[k].changes, &s));
-        if (cases[k].message)
-            CHECK_FAILS(dem_scene_start(&s, &sim), RP_BAD_INPUT, cases[k].message);
-        else
-            CHECK_OK(dem_scene_start(&s, &sim));
+        CHECK_FAILS_IF(cases[k].message, dem_scene_start(&s, &sim), RP_BAD_INPUT, cases[k].message);
     }
 }
 
@@ -522,12 +519,8 @@ static void energy_of_few(void)
     def.grains = grains, def.n_grains = 2;
     scoped_sim *sim = grains_start(&def);
     for (int left = 0; left < 3; left++) {
-        scoped char *text = NULL;
-        size_t size;
         double v[8] = {0.0};
-        FILE *out = open_memstream(&text, &size);
-        CHECK_OK(dem_write_rows(DEM_TABLE_ENERGY, sim, out));
-        fclose(out);
+        CHECK_WRITTEN(text, out, CHECK_OK(dem_write_rows(DEM_TABLE_ENERGY, sim, out)));
         char *at = text;
         for (int c = 0; c < 8; c++) v[c] = strtod(at, &at);
         const double kinetic[] = {4e4, 2.5e4, 0.0};

@@ -623,10 +623,7 @@ static void test_limits(void)
         const sweep_options o = {.workers = 2, .memory = limits[k]};
         if (isnormal(limits[k]) && check_fast()) continue; /* a sanitizer takes memory of its own */
         planned("replicas = 4; fixed = { mode = \"take\"; k = 30; };");
-        if (fails)
-            CHECK_FAILS(sweep_run(dir, toys, &o, &c), RP_NO_RESULT, "(no_memory 4)");
-        else
-            CHECK_OK(sweep_run(dir, toys, &o, &c));
+        CHECK_FAILS_IF(fails, sweep_run(dir, toys, &o, &c), RP_NO_RESULT, "(no_memory 4)");
         CU_ASSERT(fails || sql_number("SELECT count(*) FROM runs WHERE y_deg = 1") == 4);
     }
 }
@@ -1567,10 +1564,7 @@ static void test_recipes(void)
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         sweep_recipe r;
         file_print(file, "%s", cases[k].text);
-        if (cases[k].message)
-            CHECK_FAILS(sweep_recipe_read(file, &r), RP_BAD_INPUT, cases[k].message);
-        else
-            CHECK_OK(sweep_recipe_read(file, &r));
+        CHECK_FAILS_IF(cases[k].message, sweep_recipe_read(file, &r), RP_BAD_INPUT, cases[k].message);
         CU_ASSERT_STRING_EQUAL(r.name, "s");
         CU_ASSERT(cases[k].message || r.study == cases[k].study);
         CU_ASSERT(cases[k].message || r.has_runs == (strncmp(cases[k].text, "protocol", 8) == 0));
