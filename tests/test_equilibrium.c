@@ -628,7 +628,7 @@ static size_t plain_negative_modes(const test_pile *h, double eps, double k_x)
     gsl_matrix *A = gsl_matrix_alloc(n, n);
     gsl_vector *values = gsl_vector_alloc(n);
     gsl_eigen_symm_workspace *work = gsl_eigen_symm_alloc(n);
-    double *u = malloc(n * sizeof *u), *up = malloc(n * sizeof *up), *down = malloc(n * sizeof *down);
+    scoped double *u = malloc(n * sizeof *u), *up = malloc(n * sizeof *up), *down = malloc(n * sizeof *down);
     memcpy(u, h->u, n * sizeof *u);
     for (size_t j = 0; j < n; j++) {
         u[j] = h->u[j] + step;
@@ -641,8 +641,7 @@ static size_t plain_negative_modes(const test_pile *h, double eps, double k_x)
     gsl_eigen_symm(A, values, work);
     size_t negative = 0;
     for (size_t i = 0; i < n; i++) negative += gsl_vector_get(values, i) < 0;
-    gsl_matrix_free(A), gsl_vector_free(values), gsl_eigen_symm_free(work), free(u), free(up);
-    free(down);
+    gsl_matrix_free(A), gsl_vector_free(values), gsl_eigen_symm_free(work);
     return negative;
 }
 
@@ -1250,34 +1249,17 @@ static void check_note(void)
     CU_ASSERT_STRING_EQUAL(err, "repose pile: weights: not used: m\n");
 }
 
+/* The suite `notes` has the options that would do nothing. */
 static void test_program(void)
 {
     static const struct {
         int status;
         const char *words;
-    } cases[] = {{64, "--k-x 1 --well 1"},
-                 {64, "--mu 0.5"},
-                 {64, "--base 3 --disks three"},
-                 {64, "--eps"},
-                 {64, "--eps 0 --load-steps 2"},
-                 {64, "--set-again"},
-                 {64, "--k-x 1 --set-again"},
-                 {64, "--leave 2"},
-                 {64, "--eps 0 --branch minimum --leave 2"},
-                 {64, "--eps 0 --branch minimum"},
-                 {64, "--seed 2"},
-                 {0, "--base 24 --branch minimum --leave 2 --eps 1e-3"},
-                 {0, "--base 12 --well 1 --set-again"},
-                 {64, "--alpha-deg 30 --x-1 0.2"},
-                 {64, "--alpha-deg 30 --disks three"},
-                 {65, "--eps -1e-4"},
+    } cases[] = {{65, "--eps -1e-4"},
                  {65, "--alpha-deg 30 --inner-deg 60 --x-1 0.2"},
                  {65, "--alpha-deg 59.9 --gap 0.1"},
                  {65, "--disks nothing"},
                  {65, "--disks hanging"},
-                 {64, "--disks three --disorder 0.01"},
-                 {64, "--alpha-deg 30 --piles 3"},
-                 {64, "--alpha-deg 30 --disorder 1e-3 --piles 3 --summary"},
                  {65, "--alpha-deg 30 --disorder 1e-3 --eps 0"},
                  {65, "--alpha-deg 30 --disorder 0.2"},
                  {1, "--alpha-deg 30 --well 1 --mu 0.1 --disorder 1e-3 --piles 2"},

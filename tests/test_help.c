@@ -269,7 +269,7 @@ static void test_room(void)
     enum { MANY = 100, FAR = 100000 };
     static rp_param rows[MANY + 1];
     static const char long_name[] = "abcdefghijklmnopqrstuvwxyz_0123456789_abcdefghijklmnopqrstuvwxyz";
-    rp_arena arena = {0};
+    RP_SCOPE(arena);
     cli_call call = {.arena = &arena, .program = &cli_repose};
     char name[] = "many", needed[] = "--needed";
     cli_command c = {.name = name, .protocol = rows, .protocol_size = FAR * MANY, .prints_text = true};
@@ -290,7 +290,6 @@ static void test_room(void)
         CHECK_OK(cli_run(&call, &c, 3, (char *[]){name, needed, name, NULL}));
         rows[i] = rows[1];
     }
-    rp_arena_release(&arena, NULL);
 }
 
 /* How many arguments go with a synopsis, and options that take no value. */
@@ -310,7 +309,7 @@ static void test_arguments(void)
     char name[] = "few", one[] = "one", flag[] = "--flag", wrong[] = "--flag=3", letter[] = "-y",
          both[] = "-x3";
     cli_command c = {.name = name, .protocol = rows, .prints_text = true, .act = nothing};
-    rp_arena arena = {0};
+    RP_SCOPE(arena);
     cli_call call = {.arena = &arena, .program = &cli_repose};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
         for (int n = 0; n < 3; n++) {
@@ -338,7 +337,6 @@ static void test_arguments(void)
                 "unknown option --flag=3 (did you mean --flag?)");
     CHECK_FAILS(cli_run(&call, &c, 2, (char *[]){name, letter, NULL}), RP_USAGE,
                 "unknown option -y; see repose few --help");
-    rp_arena_release(&arena, NULL);
 }
 
 /* ---- manual ---- */

@@ -205,7 +205,7 @@ static void test_examples(void)
 static void check_options(const cli_command *c, const char *completion)
 {
     char text[256];
-    rp_arena arena = {0};
+    RP_SCOPE(arena);
     cli_call call = {.arena = &arena, .program = &cli_repose};
     if (c->group) {
         for (const cli_command *const *g = c->group; *g; g++) check_options(*g, completion);
@@ -222,7 +222,6 @@ static void check_options(const cli_command *c, const char *completion)
         if (!there) fprintf(stderr, "%s: not in the completion of %s\n", text, c->name);
         CU_ASSERT(there);
     }
-    rp_arena_release(&arena, NULL);
 }
 
 /* Words typed, and the word that follows. */

@@ -263,16 +263,18 @@ static double number(const rp_table *t, size_t row, const char *name)
     return strtod(cell(t, row, name), NULL);
 }
 
+/* Freed at the end of its scope. */
+#define scoped_plan __attribute__((cleanup(sweep_plan_free))) sweep_plan
+
 /* Store a row in a folder as the driver does. */
 static rp_status put_row_in(const char *folder, const sweep_row *row)
 {
-    sweep_plan plan;
+    scoped_plan plan;
     sweep_store *opened = NULL;
     rp_status status = sweep_plan_read(folder_path(folder, "sweep.cfg"), toys, &plan);
     if (!status) status = sweep_store_open(folder_path(folder, "store.sqlite"), SWEEP_WRITE, &opened);
     if (!status) status = sweep_store_insert(opened, &plan, row);
     sweep_store_close(opened);
-    sweep_plan_free(&plan);
     return status;
 }
 
@@ -320,21 +322,18 @@ static void test_order(void)
 #define X "(parameters ->> 'x')"
 #define K "(parameters ->> 'k')"
 
+/* Lists that go together, alone and in groups of which the last is the fastest. */
 static void test_bundles(void)
-{
-    made_by(1, "replicas = 1;\n"
-               "grid = ( { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; }, { mass = [1.0, 3.0]; } );");
-    CU_ASSERT(c.planned == 6);
-    /* 2 (4.5 + 12 + 17.5) times 1 + 3; the last group is the fastest */
-    CU_ASSERT(sql_number("SELECT 2 * sum(" X " * " K " * (parameters ->> 'mass')) FROM runs") == 68 * 4);
-    CU_ASSERT(sql_number("SELECT 2 * " X " * (parameters ->> 'mass') FROM runs WHERE run = 3") == 9);
-}
-
-static void test_zip(void)
 {
     made_by(1, "replicas = 1; zip = true; grid = { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; };");
     CU_ASSERT(c.planned == 3);
     CU_ASSERT(sql_number("SELECT 2 * sum(" X " * " K ") FROM runs") == 68); /* 2 (4.5 + 12 + 17.5) */
+    made_by(1, "replicas = 1;\n"
+               "grid = ( { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; }, { mass = [1.0, 3.0]; } );");
+    CU_ASSERT(c.planned == 6);
+    CU_ASSERT(sql_number("SELECT 2 * sum(" X " * " K " * (parameters ->> 'mass')) FROM runs") ==
+              68 * (1 + 3));
+    CU_ASSERT(sql_number("SELECT 2 * " X " * (parameters ->> 'mass') FROM runs WHERE run = 3") == 9);
 }
 
 /* Replica k of every grid point has the same streams, those of the file's seed. */
@@ -389,11 +388,10 @@ static void test_digest_of_plan(void)
     char digests[N][33];
     fresh("");
     for (size_t i = 0; i < N; i++) {
-        sweep_plan plan;
-        file_print(file, "protocol = \"toy\"; %s", texts[i]);
+        scoped_plan plan;
+        write_sweep(texts[i]);
         CHECK_OK(sweep_plan_read(file, toys, &plan));
         memcpy(digests[i], plan.hash, sizeof digests[i]);
-        sweep_plan_free(&plan);
         for (size_t j = 0; j < i; j++) CU_ASSERT_STRING_NOT_EQUAL(digests[i], digests[j]);
     }
 }
@@ -731,7 +729,7 @@ static void test_makers(void)
     char plain[300];
     planned("replicas = 4; fixed = { x = 2.385; };");
     CHECK_OK(sweep_prepare(file, other, 0, toys, NULL, &c));
-    sweep_plan plan;
+    scoped_plan plan;
     sweep_store *opened;
     CHECK_OK(sweep_plan_read(file, toys, &plan));
     CHECK_OK(sweep_store_open(folder_path(other, "store.sqlite"), SWEEP_WRITE, &opened));
@@ -741,7 +739,6 @@ static void test_makers(void)
         CHECK_OK(sweep_store_insert(opened, &plan, &row));
     }
     sweep_store_close(opened);
-    sweep_plan_free(&plan);
     CHECK_OK(sweep_merge(dir, toys, 1, others, &m, &c));
     CHECK_OK(run(1));
     scoped char *text = protocol_export(dir, toys, SWEEP_RUNS);
@@ -1431,7 +1428,7 @@ static void test_known_keys(void)
                  {7, "0f71a8037579f2aa919023e12d5b21de", {285264182, 1505012168, 3156239277690893}},
                  {11, "afb060fad7a893b1f667546baf0cc1b8", {971569046, 562762702, 1180198924689040}}};
     char text[256];
-    sweep_plan plan;
+    scoped_plan plan;
     fresh(
         "replicas = 2; seed = 77; fixed = { k = 5; odd = true; };\n"
         "grid = ( { x = [0.5, -1.5]; mass = [1.0, 2.5]; }, { mode = [\"plain\", \"slow\", \"crash\"]; } );");
@@ -1450,7 +1447,6 @@ static void test_known_keys(void)
                            "x = -1.5, mass = 2.5, mode = slow");
     CU_ASSERT_STRING_EQUAL(sweep_plan_parameters(&plan, 4, text, sizeof text),
                            "{\"k\":5,\"odd\":\"true\",\"x\":-1.5,\"mass\":2.5,\"mode\":\"slow\"}");
-    sweep_plan_free(&plan);
 }
 
 /* The digest is that of parameters and streams, status and outputs of the rows in their order, a missing
@@ -1458,7 +1454,7 @@ static void test_known_keys(void)
 static void test_digest_of_rows(void)
 {
     char expected[33], setting[33];
-    sweep_plan plan;
+    scoped_plan plan;
     size_t n = 0;
     made_by(1, "replicas = 5; seed = 77; grid = { x = [0.125, -1.5]; };");
     sqlite3_stmt *q = query("SELECT status, y_deg, never FROM runs ORDER BY run");
@@ -1477,7 +1473,6 @@ static void test_digest_of_rows(void)
     finish(q);
     rp_hash_digits(XXH3_128bits_digest(hash), expected);
     XXH3_freeState(hash);
-    sweep_plan_free(&plan);
     CU_ASSERT_STRING_EQUAL(digest(10), expected);
     CHECK_OK(sweep_prepare(file, dir, 0, changed, NULL, &c));
     CU_ASSERT(c.stored == 0);
@@ -1513,7 +1508,7 @@ static void check_columns(sqlite3_stmt *q, const sweep_plan *plan, size_t run)
 
 static void test_stored_columns(void)
 {
-    sweep_plan plan;
+    scoped_plan plan;
     made_by(1, "replicas = 2; seed = 77; piles = \"shared\"; grid = { x = [0.125, -1.5]; };");
     CHECK_OK(sweep_plan_read(file, toys, &plan));
     sqlite3_stmt *q = query("SELECT key, status, message, program, parameters, seed, model, pile, seconds, "
@@ -1522,7 +1517,6 @@ static void test_stored_columns(void)
     while (sqlite3_step(q) == SQLITE_ROW) check_columns(q, &plan, n++);
     finish(q);
     CU_ASSERT_EQUAL(n, 4);
-    sweep_plan_free(&plan);
 }
 
 /* A store is being written if its last sign of life is less than a minute old, by any clock. */
@@ -1720,7 +1714,7 @@ static void test_columns(void)
     }
 }
 
-CHECK_SUITE_WITHIN(sweep, "sweep", NULL, clean, test_order, test_zip, test_bundles, test_shared_piles,
+CHECK_SUITE_WITHIN(sweep, "sweep", NULL, clean, test_order, test_bundles, test_shared_piles,
                    test_digest_of_plan, test_growing, test_reduce, test_statuses, test_stored_once,
                    test_digest, test_stop, test_crash, test_plan_again, test_further_output,
                    test_fingerprint_words, test_bad_files, test_bad_folders, test_limits, test_failed_drives,
