@@ -125,9 +125,8 @@ dem_definition grains_too_soft(bool floor)
 
 void grains_break_alike(dem_sim *a, dem_sim *b)
 {
-    char text[256];
     CU_ASSERT(dem_run(a, 100000) == RP_BROKEN);
-    snprintf(text, sizeof text, "%s", rp_message());
+    const char *text = check_text("%s", rp_message());
     CHECK_FAILS(dem_run(b, 100000), RP_BROKEN, text);
     CU_ASSERT(dem_step(a) == dem_step(b) && dem_sim_fault(a) == dem_sim_fault(b));
 }
@@ -170,14 +169,13 @@ dem_sim *grains_after_text(long steps, const char *format, ...)
 
 dem_sim *grains_kept(dem_sim *sim)
 {
-    rp_snapshot s = {0};
+    RP_ENDS(rp_snapshot_free) rp_snapshot s = {0};
     dem_sim *copy = sim;
     dem_keep(&s, &copy);
     CHECK_OK(s.status);
     s.reading = true, s.path = "memory";
     dem_keep(&s, &copy);
     CHECK_OK(rp_snapshot_end(&s));
-    rp_snapshot_free(&s);
     CU_ASSERT_PTR_NOT_NULL_FATAL(copy);
     return copy;
 }

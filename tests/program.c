@@ -309,10 +309,8 @@ void checked_end(checked *c)
 
 bool equal_tables(const char *name_a, const char *name_b)
 {
-    rp_table a = read_table(name_a), b = read_table(name_b);
+    scoped_table a = read_table(name_a), b = read_table(name_b);
     bool equal = a.n_rows > 0 && a.n_rows == b.n_rows && a.n_columns == b.n_columns;
     for (size_t i = 0; equal && i < a.n_rows * a.n_columns; i++) equal = strcmp(a.cells[i], b.cells[i]) == 0;
-    rp_table_free(&a);
-    rp_table_free(&b);
     return equal;
 }

@@ -286,11 +286,10 @@ static void refuse_grains(const ang_options *o, const char *what)
     ang_surface s;
     for (int i = 0; i < N_GRAINS; i++) {
         double x[N_GRAINS], r[N_GRAINS];
-        char text[32];
         memcpy(x, grain_x, sizeof x);
         memcpy(r, grain_r, sizeof r);
         *(strcmp(what, "radius") == 0 ? &r[i] : &x[i]) = INFINITY;
-        snprintf(text, sizeof text, "grain %d: %s", i + 1, what);
+        const char *text = check_text("grain %d: %s", i + 1, what);
         CHECK_FAILS(ang_surface_make(N_GRAINS, x, grain_y, r, 2.13, o, &s), RP_BAD_INPUT, text);
     }
 }
@@ -498,8 +497,7 @@ static void test_slope_errors(void)
     CHECK_OK(ang_slopes(3, NULL, h, 0.2, ANG_PARABOLA_FREE, s));
     for (int i = 0; i < 4; i++) {
         const double kept = h[i];
-        char text[32];
-        snprintf(text, sizeof text, "height %d", i + 1);
+        const char *text = check_text("height %d", i + 1);
         h[i] = INFINITY;
         CHECK_FAILS(ang_slopes(4, NULL, h, 0.2, ANG_PARABOLA_FREE, s), RP_BAD_INPUT, text);
         h[i] = kept;

@@ -562,7 +562,7 @@ static void tables(void)
     rp_table_row(out, 2, (double[]){0.1, -1.0 / 3.0});
     rp_table_row(out, 2, (double[]){2.0, -NAN});
     CHECK_OK(rp_file_close(path, out, RP_OK));
-    rp_table t;
+    RP_ENDS(rp_table_free) rp_table t, still, cut, gone;
     double v;
     CHECK_OK(rp_table_read(path, &t));
     CU_ASSERT(t.n_rows == 2 && t.n_columns == 2 && rp_table_column(&t, "y") == 1);
@@ -572,14 +572,12 @@ static void tables(void)
     CHECK_OK(rp_table_number(&t, 1, 1, 1, &v));
     CU_ASSERT(isnan(v));
     CHECK_FAILS(rp_table_number(&t, 1, 1, 0, &v), RP_BAD_INPUT, "column 2 y: \"nan\" is not a finite number");
-    rp_table_free(&t);
     /* a failed table leaves the old file unchanged */
     CHECK_OK(rp_file_open(path, &out));
     fputs("half", out);
     CU_ASSERT_EQUAL(rp_file_close(path, out, RP_NO_RESULT), RP_NO_RESULT);
-    CHECK_OK(rp_table_read(path, &t));
-    CU_ASSERT_EQUAL(t.n_rows, 2);
-    rp_table_free(&t);
+    CHECK_OK(rp_table_read(path, &still));
+    CU_ASSERT_EQUAL(still.n_rows, 2);
     /* a link is not followed */
     const char *link = folder_path(folder, "a.link");
     CU_ASSERT_FATAL(symlink(path, link) == 0);
@@ -597,11 +595,9 @@ static void tables(void)
     CU_ASSERT(stat(link, &info) == 0 && S_ISFIFO(info.st_mode));
     close(reader);
     file_print(path, "1 2\n3\n");
-    CHECK_FAILS(rp_table_read(path, &t), RP_BAD_INPUT, ":2: 1 cells where 2 are expected");
-    rp_table_free(&t);
+    CHECK_FAILS(rp_table_read(path, &cut), RP_BAD_INPUT, ":2: 1 cells where 2 are expected");
     unlink(path);
-    CHECK_FAILS(rp_table_read(path, &t), RP_BAD_INPUT, "cannot read");
-    rp_table_free(&t);
+    CHECK_FAILS(rp_table_read(path, &gone), RP_BAD_INPUT, "cannot read");
     CHECK_FAILS(rp_file_open("/no/such/folder/x", &out), RP_IO, "cannot write");
     CHECK_FAILS(rp_make_directory("/dev/null/x"), RP_IO, "/dev/null");
     out = fopen("/dev/full", "w");
@@ -642,19 +638,16 @@ static void hostile_tables(void)
 {
     enum { N = 1000000 };
     const char *path = folder_path(folder, "table.tsv");
-    char *text;
-    rp_table t;
+    scoped char *text = NULL;
+    RP_ENDS(rp_table_free) rp_table t, zero;
     FILE *out = fopen(path, "w");
     for (int i = 0; i < N; i++) fputs("1 ", out);
     for (int i = 0; i < N; i++) fputs("\n1", out);
     fclose(out);
     CHECK_FAILS(rp_table_read(path, &t), RP_BAD_INPUT, ":2: 1 cells where 1000000 are expected");
-    rp_table_free(&t);
     CHECK_OK(rp_file_read(path, &text));
     CU_ASSERT(strlen(text) == 4 * N);
-    free(text);
-    CHECK_FAILS(rp_table_read("/dev/zero", &t), RP_BAD_INPUT, "/dev/zero: no text: holds a 0 byte");
-    rp_table_free(&t);
+    CHECK_FAILS(rp_table_read("/dev/zero", &zero), RP_BAD_INPUT, "/dev/zero: no text: holds a 0 byte");
 }
 
 static void statuses(void)

@@ -744,7 +744,7 @@ static void test_settings(void)
         const char *found = find_sweep(word(&t, row, "answer"));
         if (strcmp(word(&t, row, "paper"), "ours") == 0 || !found) continue;
         strcpy(path, found);
-        config_t config;
+        RP_ENDS(config_destroy) config_t config;
         const sweep_protocol *protocol = open_sweep(path, &config);
         for (size_t k = 0; k < 3 && protocol; k++) {
             const char *text = word(&t, row, texts[k]), *others = strstr(text, " + ");
@@ -754,7 +754,6 @@ static void test_settings(void)
                 check_statement(word(&t, row, "id"), check_text("%.*s", used, text), &config, protocol);
         }
         if (protocol) check_at(&t, row, path, &config, protocol);
-        config_destroy(&config);
     }
     CU_ASSERT(n_checked > 100);
 }
@@ -763,12 +762,10 @@ static void test_settings(void)
 static size_t check_place(const char *place)
 {
     const char *path = find_sweep(place);
-    config_t config;
     if (!path || strncmp(path, "sweeps/l", 8) != 0) return 0; /* of the papers */
+    RP_ENDS(config_destroy) config_t config;
     const sweep_protocol *protocol = open_sweep(path, &config);
-    const size_t n = protocol ? check_statement(path, place, &config, protocol) : 0;
-    config_destroy(&config);
-    return n;
+    return protocol ? check_statement(path, place, &config, protocol) : 0;
 }
 
 static size_t places_checked;
@@ -883,7 +880,7 @@ static void check_derived(const char *sweep, const config_setting_t *setting)
 static void check_runs(const char *file, const char *name, const sweep_recipe *recipe)
 {
     scoped_table t = {0};
-    sweep_plan plan;
+    RP_ENDS(sweep_plan_free) sweep_plan plan = {0};
     const char *path = check_text("results/%s/points.tsv", name);
     if (rp_table_read(path, &t)) return;
     CHECK_OK(sweep_plan_read(file, sweep_protocols, &plan));
@@ -897,7 +894,6 @@ static void check_runs(const char *file, const char *name, const sweep_recipe *r
     for (size_t k = 0; k < plan.n_points && same; k++)
         for (const rp_param *p = plan.protocol->schema; p->name; p++)
             CHECK_OR_SAY(says_setting(&t, k, &plan, p), "%s: another %s at point %zu", path, p->name, k);
-    sweep_plan_free(&plan);
 }
 
 /* A table of results says by which runs it was made: those of its sweep's file, unless changed since. */
@@ -906,10 +902,10 @@ static void test_made(void)
     static const char *const patterns[] = {"sweeps/lh/*.cfg", "sweeps/li/*.cfg", "sweeps/studies/*.cfg",
                                            "sweeps/val/*.cfg"};
     for (size_t k = 0; k < sizeof patterns / sizeof *patterns; k++) {
-        glob_t found;
+        RP_ENDS(globfree) glob_t found;
         CU_ASSERT_FATAL(glob(patterns[k], 0, NULL, &found) == 0);
         for (size_t i = 0; i < found.gl_pathc; i++) {
-            sweep_recipe recipe;
+            RP_ENDS(sweep_recipe_free) sweep_recipe recipe;
             const char *slash = strrchr(found.gl_pathv[i], '/') + 1;
             scoped char *name = strndup(slash, strcspn(slash, "."));
             CHECK_OK(sweep_recipe_read(found.gl_pathv[i], &recipe));
@@ -917,9 +913,7 @@ static void test_made(void)
             const config_setting_t *derive = config_lookup(&recipe.config, "derive");
             for (int j = 0; derive && j < config_setting_length(derive); j++)
                 check_derived(name, config_setting_get_elem(derive, (unsigned)j));
-            sweep_recipe_free(&recipe);
         }
-        globfree(&found);
     }
 }
 
@@ -943,7 +937,7 @@ static void test_names(void)
 {
     static const char *const files[] = {"continuum", "pile", "tent", "triangle"};
     for (size_t k = 0; k < sizeof files / sizeof *files; k++) {
-        sweep_recipe recipe;
+        RP_ENDS(sweep_recipe_free) sweep_recipe recipe;
         const char *path = check_text("sweeps/li/%s.cfg", files[k]);
         CHECK_OK(sweep_recipe_read(path, &recipe));
         const config_setting_t *models = config_lookup(&recipe.config, "model");
@@ -966,7 +960,6 @@ static void test_names(void)
             same &= !next_number(model, &at, &set);
             CHECK_OR_SAY(same, "%s: %s", path, table);
         }
-        sweep_recipe_free(&recipe);
     }
 }
 

@@ -67,13 +67,11 @@ static void test_rest_by_gravity(void)
     } scales[] = {{1024.0, 1e-4, 1e5, 100.0}, {0.25, 64.0 * 1e-4, 1e5 / 4096.0, 100.0 / 64.0}};
     long steps[2];
     for (int k = 0; k < 2; k++) {
-        scoped_trial t;
-        char text[2048];
-        snprintf(text, sizeof text,
-                 "gravity = (0.0, -%.17g); dt = %.17g; normal = { law = `linear`; k_n = %.17g; gamma_n = "
-                 "%.17g; };\n%s",
-                 scales[k].gravity, scales[k].dt, scales[k].k_n, scales[k].gamma_n, column);
-        run_whole(&t, text, 1000, "ok");
+        const char *text = check_text(
+            "gravity = (0.0, -%.17g); dt = %.17g; normal = { law = `linear`; k_n = %.17g; gamma_n = "
+            "%.17g; };\n%s",
+            scales[k].gravity, scales[k].dt, scales[k].k_n, scales[k].gamma_n, column);
+        RUN_TRIAL(t, text, 1000, "ok");
         steps[k] = exp_steps(t.run);
     }
     CU_ASSERT(steps[0] > 6000 && steps[0] == steps[1]);
@@ -86,8 +84,7 @@ static void test_looks_at_rest(void)
         "dt = 1.0e-4; rest = { energy = 1e9; force = 1e9; looks = 3; every = 500; };\n"
         "particles = ( { x = 1.0; y = 1.0; r = 0.1; } );\n"
         "phases = ( { name = `before`; steps = 70; }, { name = `wait`; every = 100; until = `rest`; } );\n";
-    scoped_trial t;
-    run_whole(&t, text, 1000, "ok");
+    RUN_TRIAL(t, text, 1000, "ok");
     CU_ASSERT(exp_steps(t.run) == 70 + 100 + 2 * 500);
 }
 
@@ -430,9 +427,7 @@ static uint64_t digest_of(const trial *t)
 
 static void test_started_at(void)
 {
-    scoped_trial whole;
-    start(&whole, three_phases);
-    finish(&whole, 1000000);
+    RUN_TRIAL(whole, three_phases, 1000000, "ok");
     CU_ASSERT(measured(&whole, "n") == 61.0);
     for (size_t phase = 1; phase < 3; phase++) {
         scoped_trial first, rest;
@@ -854,9 +849,7 @@ static void test_mean_grain(void)
                           "measure = ( { name = `M`; of = `m`; }, { name = `all`; of = `mass/grains`; } );\n";
     write_text("g.tsv", "x y r m\n0 1 0.1 0.5\n1 1 0.3 0.2\n");
     for (int table = 0; table < 2; table++) {
-        char text[1024];
-        snprintf(text, sizeof text, "%s %s", table ? "particles_file = `g.tsv`;" : listed, rest);
-        RUN_TRIAL(t, text, 100, "ok");
+        RUN_TRIAL(t, check_text("%s %s", table ? "particles_file = `g.tsv`;" : listed, rest), 100, "ok");
         CHECK_NEAR(measured(&t, "M"), measured(&t, "all"), 1e-12);
     }
 }

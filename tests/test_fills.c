@@ -99,22 +99,20 @@ static void test_table(void)
 static void test_patterns(void)
 {
     dem_fill f = wide;
-    dem_grain *grains;
     size_t n;
     f.N = -1, f.W = 3.0, f.H = 2.0, f.x0 = 1.0, f.y0 = -0.5;
     f.pattern = DEM_PATTERN_ROW;
-    grains = malloc(dem_fill_most(&f) * sizeof *grains);
-    CHECK_OK(dem_fill_grains(&f, grains, &n));
+    scoped dem_grain *row = malloc(dem_fill_most(&f) * sizeof *row);
+    CHECK_OK(dem_fill_grains(&f, row, &n));
     CU_ASSERT(n >= 10 && n <= 25);
     for (size_t i = 0; i < n; i++) {
-        const dem_grain *g = &grains[i];
+        const dem_grain *g = &row[i];
         CHECK_NEAR(g->y - g->r, -0.5, 1e-15);
         if (i > 0) CHECK_NEAR(hypot(g->x - g[-1].x, g->y - g[-1].y), g->r + g[-1].r, 1e-14);
         CU_ASSERT(g->x - g->r >= 1.0 - 1e-15 && g->x + g->r <= 4.0 + 1e-9);
     }
-    free(grains);
     f.pattern = DEM_PATTERN_LATTICE, f.radius_width = 0.0;
-    grains = malloc(dem_fill_most(&f) * sizeof *grains);
+    scoped dem_grain *grains = malloc(dem_fill_most(&f) * sizeof *grains);
     CHECK_OK(dem_fill_grains(&f, grains, &n));
     CU_ASSERT(n == 15 * 6 + 14 * 5); /* rows of 15 and 14 at 0.173 from one another */
     for (size_t i = 1; i < n; i++) CU_ASSERT(grains[i].y + 0.1 <= 1.5 && grains[i].x + 0.1 <= 4.0 + 1e-9);
@@ -129,7 +127,6 @@ static void test_patterns(void)
     }
     f.pattern = DEM_PATTERN_RANDOM, f.N = -1;
     CHECK_FAILS(dem_fill_grains(&f, grains, &n), RP_BAD_INPUT, "N = -1");
-    free(grains);
 }
 
 /* Written and read again, the scene has the same grains. */

@@ -228,8 +228,8 @@ static void test_orders(void)
 /* Is there a row of CHANGELOG.md with both? The second is read to its first comma or semicolon. */
 static bool is_told_of(const char *changes, const char *name, const char *instead)
 {
-    char line[MOST], plain[MOST], first[128];
-    snprintf(first, sizeof first, "%.*s", (int)strcspn(instead, ",;"), instead);
+    char line[MOST], plain[MOST];
+    const char *first = check_text("%.*s", (int)strcspn(instead, ",;"), instead);
     while (next_line(&changes, line)) {
         char *to = plain;
         for (const char *c = line; *c; c++)
@@ -246,9 +246,8 @@ static void test_removed(void)
     scoped char *changes = NULL;
     CHECK_OK(rp_file_read("CHANGELOG.md", &changes));
     for (const cli_removed *r = cli_repose.removed; r->name; r++) {
-        char expected[256];
         const char *dashes = strstr(r->name, " --");
-        snprintf(expected, sizeof expected, "%s of 0.1.0 is gone; instead: %s\n", r->name, r->instead);
+        const char *expected = check_text("%s of 0.1.0 is gone; instead: %s\n", r->name, r->instead);
         FAILS(64, expected, "%s", r->name);
         if (dashes) FAILS(64, expected, "%s=3", r->name);
         CU_ASSERT(is_told_of(changes, dashes ? dashes + 1 : r->name, r->instead));
@@ -358,9 +357,7 @@ static void title_is(const char *before, const char *name)
 
 static void item_is(const char *dashes, const char *name, const char *text)
 {
-    char before[8];
-    snprintf(before, sizeof before, "**%s", dashes);
-    marked(before, name, "**");
+    marked(check_text("**%s", dashes), name, "**");
     marked(":   ", text, "");
     line_is("%s", "");
 }
@@ -657,11 +654,10 @@ static void experiments_are_listed(bool si)
         for (const exp_output *o = m.outputs; o->name; o++) {
             const exp_output *first = o; /* a family of the bins stands in one line */
             const size_t stem = strcspn(o->name, "0123456789");
-            char names[64];
             while (o[1].name && strlen(o->name) == stem + 2 && strlen(o[1].name) == stem + 2 &&
                    strncmp(o->name, o[1].name, stem) == 0)
                 o++;
-            snprintf(names, sizeof names, o > first ? "%s to %s" : "%s", first->name, o->name);
+            const char *names = check_text(o > first ? "%s to %s" : "%s", first->name, o->name);
             HEADING("#   %-25s %-10s %s", names, or_dash(first->unit), first->meaning);
         }
         schema_is_listed("experiment", m.name, m.schema, si);

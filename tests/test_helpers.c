@@ -301,8 +301,7 @@ static void test_wrong_pairs(void)
 /* So soft that neighbours slide apart, although every well holds: no result, and a state that is no pile. */
 static void collapsing_pile(void)
 {
-    solved_pile pile = solved_pile_make(7, 60.0, 0.1, 1);
-    solved_pile_free(&pile);
+    RP_ENDS(solved_pile_free) solved_pile pile = solved_pile_make(7, 60.0, 0.1, 1);
 }
 
 /* Close-packed disks of unit diameter on the ground, a part of 1e-13 lower, each with its two neighbours of
@@ -330,10 +329,9 @@ static void test_solved_pile(void)
 {
     const double eps = 1e-4;
     CU_ASSERT_EQUAL(failures_of(collapsing_pile), 2);
-    solved_pile pile = solved_pile_make(7, 60.0, eps, 1);
-    CU_ASSERT_EQUAL(pile.n, 28); /* the whole triangle */
-    solved_pile_free(&pile);
-    pile = solved_pile_make(7, 30.0, eps, 1);
+    RP_ENDS(solved_pile_free)
+    solved_pile triangle = solved_pile_make(7, 60.0, eps, 1), pile = solved_pile_make(7, 30.0, eps, 1);
+    CU_ASSERT_EQUAL(triangle.n, 28); /* the whole triangle */
     CU_ASSERT_EQUAL(pile.n,
                     12); /* 7 + 4 + 1: row j has the middles with j <= 2/3 of the way to the nearer end */
     double N = 0.0, H = 0.0;
@@ -358,7 +356,6 @@ static void test_solved_pile(void)
     floor = forces[1];
     CHECK_NEAR(fy, -(double)pile.n - floor,
                1e-9 * (double)pile.n); /* weight and ground are all that acts from outside */
-    solved_pile_free(&pile);
 }
 
 /* ---- provenance ---- */

@@ -150,9 +150,7 @@ static char *outcome(const char *text, const char *change)
 /* Whether the scene's result changes with the key. */
 static bool scene_changes(size_t scene, const char *base, const char *path, const char *value)
 {
-    char change[160];
-    snprintf(change, sizeof change, "%s=%s", path, value);
-    scoped char *now = outcome(scenes[scene], change);
+    scoped char *now = outcome(scenes[scene], check_text("%s=%s", path, value));
     return now && strcmp(now, base) != 0;
 }
 

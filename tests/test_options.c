@@ -205,9 +205,7 @@ static int run_command(const char *command, const char *words)
 static char *rows_of(const char *command, const char *base, const char *change)
 {
     static char rows[sizeof out];
-    char words[512];
-    snprintf(words, sizeof words, "%s %s", base, change);
-    const int status = run_command(command, words);
+    const int status = run_command(command, check_text("%s %s", base, change));
     char *to = rows, *rest = out, *line;
     if (status != 0 && status != 1) {
         fprintf(stderr, "repose %s %s %s: %s", command, base, change, err);
@@ -296,8 +294,7 @@ static bool same_value(const char *cell, const json_t *value)
 static void check_json(const char *command, const char *base)
 {
     static char keep[sizeof out];
-    char words[512];
-    snprintf(words, sizeof words, "%s --json", base);
+    const char *words = check_text("%s --json", base);
     const int status = run_command(command, base);
     memcpy(keep, out, sizeof out);
     scoped_table t = {0};

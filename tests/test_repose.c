@@ -354,7 +354,7 @@ static void check_pile(const sweep_result *result, double W)
     CU_ASSERT(output(result, "fill_steps_used") == cell(&filled, 0, "step"));
     CU_ASSERT(output(result, "relax_steps_used") == cell(&t, 0, "step") - cell(&filled, 0, "step"));
     const ang_options options = ANG_OPTIONS_DEFAULT;
-    ang_surface s;
+    RP_ENDS(ang_surface_free) ang_surface s;
     ang_slope slopes[ANG_N_METHODS];
     CHECK_OK(ang_surface_make(n, x, y, NULL, W, &options, &s));
     CHECK_OK(ang_slopes(s.n, s.column, s.h, s.cell, options.parabola, slopes));
@@ -365,7 +365,6 @@ static void check_pile(const sweep_result *result, double W)
                {"theta_r3_error_deg", slopes[2].theta_se * RADIAN_DEG},
                {"theta_r12_deg", theta[0] - theta[1]}, {"theta_r23_deg", theta[1] - theta[2]});
     CU_ASSERT(output(result, "cells") == (double)s.n_occupied);
-    ang_surface_free(&s);
 }
 
 /* Number of grains of the pile, at[], that are farther than `reach` from their positions in the box, rotated
@@ -586,8 +585,7 @@ static void test_limit_of_step(void)
         CU_ASSERT(strtod(rp_params_find(protocol->schema, "rest_energy")->fallback, NULL) == DEM_REST_ENERGY);
         CU_ASSERT(strtod(rp_params_find(protocol->schema, "rest_force")->fallback, NULL) == DEM_REST_FORCE);
         for (int above = 0; above < 2; above++) {
-            char dt[64];
-            snprintf(dt, sizeof dt, "dt=%.17g", limit * (1.0 + (above ? 1e-9 : -1e-9)));
+            const char *dt = check_text("dt=%.17g", limit * (1.0 + (above ? 1e-9 : -1e-9)));
             scoped void *params = PROTOCOL_PARAMS(protocol, "H=90", dt);
             CHECK_FAILS_IF(above, protocol->check(params), RP_BAD_INPUT, "too large for");
         }

@@ -168,8 +168,8 @@ static void refused(void)
          ":2: radii: [-0.1, 1]: a radius above 0 and a share expected"},
         {"steps = -3;", ":2: steps = -3: out of range"}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        char text[512];
-        snprintf(text, sizeof text, "particles = ( { x = 0.0; y = 0.5; r = 0.1; } );\n%s\n", cases[k].change);
+        const char *text =
+            check_text("particles = ( { x = 0.0; y = 0.5; r = 0.1; } );\n%s\n", cases[k].change);
         grains_refused(text, NULL, cases[k].message);
     }
     static const char *const whole[][2] = {
@@ -277,10 +277,8 @@ static void particles_from_table(void)
     grains_refused(text, NULL, ":2: column 4 step: \"nan\" is not a finite number");
     static const char *const bad[] = {"-0.1", "0"};
     for (int k = 0; k < 2; k++) {
-        char says[40];
         file_print(table, "# x y r\n0.5 0.7 %s\n", bad[k]);
-        snprintf(says, sizeof says, ":2: r = %s: out of range", bad[k]);
-        grains_refused(text, NULL, says);
+        grains_refused(text, NULL, check_text(":2: r = %s: out of range", bad[k]));
     }
     folder_remove(folder);
 }

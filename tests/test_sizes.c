@@ -77,13 +77,12 @@ static void lists(void)
 /* By size from as many tests on as it takes as long: not in a box of equal grains. */
 static void choice(void)
 {
-    dem_grain *grains;
     double width;
     for (int k = 0; k < 2; k++) {
+        scoped dem_grain *grains = NULL;
         const dem_definition def = mixture(2000, k ? 30.0 : 1.2, 7, &width, &grains);
         scoped_sim *sim = grains_start(&def);
         CU_ASSERT((sim->list.sizes != NULL) == (k == 1));
-        free(grains);
     }
 }
 

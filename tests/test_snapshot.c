@@ -221,24 +221,22 @@ static dem_sim *write_small(long steps)
     def.n_grains = 10;
     dem_sim *sim = grains_start(&def);
     advance(sim, steps);
-    rp_snapshot s = {0};
+    RP_ENDS(rp_snapshot_free) rp_snapshot s = {0};
     dem_keep(&s, &sim);
     CHECK_OK(rp_snapshot_write(&s, in_folder("s"), "test", dem_keep_layout()));
-    rp_snapshot_free(&s);
     return sim;
 }
 
 /* Read the file s. */
 static rp_status read_small(const char *owner, uint64_t layout, dem_sim **sim)
 {
-    rp_snapshot s;
+    RP_ENDS(rp_snapshot_free) rp_snapshot s;
     rp_status status = rp_snapshot_read(&s, in_folder("s"), owner, layout);
     *sim = NULL;
     if (!status) {
         dem_keep(&s, sim);
         status = rp_snapshot_end(&s);
     }
-    rp_snapshot_free(&s);
     return status;
 }
 
@@ -266,7 +264,7 @@ static void damaged_files(void)
 {
     scoped_sim *sim = write_small(50), *copy = NULL;
     size_t n;
-    unsigned char *bytes = file_read(in_folder("s"), &n);
+    scoped unsigned char *bytes = file_read(in_folder("s"), &n);
     CHECK_OK(read_small("test", dem_keep_layout(), &copy));
     CU_ASSERT(same(sim, copy));
     for (size_t k = 0; k < n; k += k < HEAD + 20 || k > n - 20 ? 1 : 50) {
@@ -293,7 +291,6 @@ static void damaged_files(void)
     refused("No such file");
     CU_ASSERT(mkdir(in_folder("s"), 0777) == 0);
     refused("not a regular file");
-    free(bytes);
 }
 
 static void foreign_files(void)
@@ -322,7 +319,7 @@ static void impossible_states(void)
     dem_definition def = scene_of(LEDGER | GRAVITY_TURNS | FIXED);
     dem_sim *sim = grains_start(&def), *copy = sim;
     advance(sim, HALF);
-    rp_snapshot s = {0};
+    RP_ENDS(rp_snapshot_free) rp_snapshot s = {0};
     dem_keep(&s, &copy);
     size_t refusals = 0;
     s.reading = true, s.path = "memory";
@@ -344,7 +341,6 @@ static void impossible_states(void)
     dem_keep(&s, &copy);
     CU_ASSERT(s.status == RP_BAD_INPUT && !copy);
     CU_ASSERT_STRING_EQUAL(rp_message(), "memory: its state ends too early");
-    rp_snapshot_free(&s);
     dem_free(sim);
 }
 
@@ -353,7 +349,7 @@ static void full_disk(void)
 {
     scoped_sim *sim = write_small(20), *copy = NULL;
     const struct rlimit little = {2000, RLIM_INFINITY}, all = {RLIM_INFINITY, RLIM_INFINITY};
-    rp_snapshot s = {0};
+    RP_ENDS(rp_snapshot_free) rp_snapshot s = {0};
     advance(sim, 20);
     dem_keep(&s, &sim);
     signal(SIGXFSZ, SIG_IGN);
@@ -362,7 +358,6 @@ static void full_disk(void)
                 "cannot write: File too large");
     setrlimit(RLIMIT_FSIZE, &all);
     CHECK_FAILS(rp_snapshot_write(&s, in_folder("none/s"), "test", dem_keep_layout()), RP_IO, "No such file");
-    rp_snapshot_free(&s);
     CHECK_OK(read_small("test", dem_keep_layout(), &copy));
     CU_ASSERT(dem_step(copy) == 20);
     SHELL("test \"$(ls -I out -I err)\" = s");
@@ -521,8 +516,7 @@ static int run_killed(const sweep_protocol *protocol, const void *params, double
                       sweep_result *result)
 {
     enum { MOST = 400 };
-    char path[256];
-    snprintf(path, sizeof path, "%s", in_folder("snapshot"));
+    const char *path = check_text("%s", in_folder("snapshot"));
     sweep_result *shared =
         mmap(NULL, sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     int status = -1, runs = 0;
@@ -558,9 +552,9 @@ static int run_killed(const sweep_protocol *protocol, const void *params, double
 static void stop_at_once(const sweep_protocol *protocol, const void *params)
 {
     static const volatile bool stop = true;
-    char path[256], why[32];
+    char why[32];
     sweep_result result;
-    snprintf(path, sizeof path, "%s", in_folder("snapshot"));
+    const char *path = check_text("%s", in_folder("snapshot"));
     sweep_keep keep = {.path = path, .key = "test", .interval = INFINITY, .stop = &stop};
     sweep_keep_begin(&keep, why, sizeof why);
     CU_ASSERT(protocol->run(params, 7, 1, &(sweep_tables){.keep = &keep}, &result) == RP_STOPPED);
@@ -663,7 +657,7 @@ static void note_done(const char *call, int file, const char *from, const char *
 /* A snapshot is on the disk, and then its name is. */
 static void synced(void)
 {
-    rp_snapshot s = {0};
+    RP_ENDS(rp_snapshot_free) rp_snapshot s = {0};
     long step = 7;
     RP_KEEP(&s, step);
     *done = '\0';
@@ -671,7 +665,6 @@ static void synced(void)
     CHECK_OK(rp_snapshot_write(&s, in_folder("s"), "test", 1));
     fault_watch = NULL;
     CU_ASSERT_STRING_EQUAL(done, "frd");
-    rp_snapshot_free(&s);
 }
 
 /* Of fault_watch: that snapshot of a run before which its whole sweep is killed. */
@@ -725,8 +718,7 @@ static void sweep_rows(void)
  * Its last status; *kept: how often `left` was there after a stop. */
 static int stop_until_done(const char *arguments, double seconds, const char *left, int *kept)
 {
-    char seen[256];
-    snprintf(seen, sizeof seen, "ls %s >kept 2>&1", left);
+    const char *seen = check_text("ls %s >kept 2>&1", left);
     int status = 75;
     for (double wait = seconds / 10.0; status != 0 && wait < 60.0; wait *= 1.25) {
         status =

@@ -532,9 +532,7 @@ static void check_motion(unsigned long pile, const sweep_result *r)
     CHECK_OK(dem_run(sim, lround(100.0 * theta_deg) - 100));
     read_motion(sim, n, at, &m);
     for (int zone = 0; zone < ZONES; zone++) {
-        char name[32];
-        snprintf(name, sizeof name, "moved_%s_%d", layers[zone % 3], zone / 3 + 1);
-        const double share = protocol_output(p, r, name);
+        const double share = protocol_output(p, r, check_text("moved_%s_%d", layers[zone % 3], zone / 3 + 1));
         CU_ASSERT(m.all[zone] > 0.0 ? fabs(share - m.moved[zone] / m.all[zone]) < tight : isnan(share));
     }
 }

@@ -263,13 +263,10 @@ static double number(const rp_table *t, size_t row, const char *name)
     return strtod(cell(t, row, name), NULL);
 }
 
-/* Freed at the end of its scope. */
-#define scoped_plan __attribute__((cleanup(sweep_plan_free))) sweep_plan
-
 /* Store a row in a folder as the driver does. */
 static rp_status put_row_in(const char *folder, const sweep_row *row)
 {
-    scoped_plan plan;
+    RP_ENDS(sweep_plan_free) sweep_plan plan;
     sweep_store *opened = NULL;
     rp_status status = sweep_plan_read(folder_path(folder, "sweep.cfg"), toys, &plan);
     if (!status) status = sweep_store_open(folder_path(folder, "store.sqlite"), SWEEP_WRITE, &opened);
@@ -388,7 +385,7 @@ static void test_digest_of_plan(void)
     char digests[N][33];
     fresh("");
     for (size_t i = 0; i < N; i++) {
-        scoped_plan plan;
+        RP_ENDS(sweep_plan_free) sweep_plan plan;
         write_sweep(texts[i]);
         CHECK_OK(sweep_plan_read(file, toys, &plan));
         memcpy(digests[i], plan.hash, sizeof digests[i]);
@@ -726,10 +723,9 @@ static void test_damaged_rows(void)
 static void test_makers(void)
 {
     static const char program[] = "repose 0.1.9, commit 0123abc-dirty, gcc 9";
-    char plain[300];
     planned("replicas = 4; fixed = { x = 2.385; };");
     CHECK_OK(sweep_prepare(file, other, 0, toys, NULL, &c));
-    scoped_plan plan;
+    RP_ENDS(sweep_plan_free) sweep_plan plan;
     sweep_store *opened;
     CHECK_OK(sweep_plan_read(file, toys, &plan));
     CHECK_OK(sweep_store_open(folder_path(other, "store.sqlite"), SWEEP_WRITE, &opened));
@@ -742,8 +738,8 @@ static void test_makers(void)
     CHECK_OK(sweep_merge(dir, toys, 1, others, &m, &c));
     CHECK_OK(run(1));
     scoped char *text = protocol_export(dir, toys, SWEEP_RUNS);
-    snprintf(plain, sizeof plain, "# runs made by: repose %s, commit %s, %s (2)\n", RP_VERSION,
-             rp_build_commit, rp_build_compiler);
+    const char *plain = check_text("# runs made by: repose %s, commit %s, %s (2)\n", RP_VERSION,
+                                   rp_build_commit, rp_build_compiler);
     CHECK_PARTS(text, "# runs made by: repose 0.1.9, commit 0123abc-dirty, gcc 9 (2)\n", plain);
 }
 
@@ -1126,13 +1122,13 @@ static void keep_both(rp_snapshot *s, void *data)
 /* A snapshot is written when it is due or asked for; a later process gets what it holds. */
 static void test_keep(void)
 {
-    char path[128], unfinished[136], why[256];
+    char path[128], why[256];
     volatile bool stop = true;
     kept_pair now = {2.5, tmpfile()}, later = {0.0, tmpfile()};
     sweep_keep k;
     fresh("");
     snprintf(path, sizeof path, "%s/kept", base);
-    snprintf(unfinished, sizeof unfinished, "%s.new", path);
+    const char *unfinished = check_text("%s.new", path);
     fputs("two rows\n", now.table);
     begin_keep(&k, path, "run 5", why);
     CU_ASSERT(!*why);
@@ -1428,7 +1424,7 @@ static void test_known_keys(void)
                  {7, "0f71a8037579f2aa919023e12d5b21de", {285264182, 1505012168, 3156239277690893}},
                  {11, "afb060fad7a893b1f667546baf0cc1b8", {971569046, 562762702, 1180198924689040}}};
     char text[256];
-    scoped_plan plan;
+    RP_ENDS(sweep_plan_free) sweep_plan plan;
     fresh(
         "replicas = 2; seed = 77; fixed = { k = 5; odd = true; };\n"
         "grid = ( { x = [0.5, -1.5]; mass = [1.0, 2.5]; }, { mode = [\"plain\", \"slow\", \"crash\"]; } );");
@@ -1454,7 +1450,7 @@ static void test_known_keys(void)
 static void test_digest_of_rows(void)
 {
     char expected[33], setting[33];
-    scoped_plan plan;
+    RP_ENDS(sweep_plan_free) sweep_plan plan;
     size_t n = 0;
     made_by(1, "replicas = 5; seed = 77; grid = { x = [0.125, -1.5]; };");
     sqlite3_stmt *q = query("SELECT status, y_deg, never FROM runs ORDER BY run");
@@ -1508,7 +1504,7 @@ static void check_columns(sqlite3_stmt *q, const sweep_plan *plan, size_t run)
 
 static void test_stored_columns(void)
 {
-    scoped_plan plan;
+    RP_ENDS(sweep_plan_free) sweep_plan plan;
     made_by(1, "replicas = 2; seed = 77; piles = \"shared\"; grid = { x = [0.125, -1.5]; };");
     CHECK_OK(sweep_plan_read(file, toys, &plan));
     sqlite3_stmt *q = query("SELECT key, status, message, program, parameters, seed, model, pile, seconds, "
@@ -1556,13 +1552,12 @@ static void test_recipes(void)
                  {"study = 3;", "neither a protocol nor an experiment nor a model", 0}};
     fresh("");
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        sweep_recipe r;
+        RP_ENDS(sweep_recipe_free) sweep_recipe r;
         file_print(file, "%s", cases[k].text);
         CHECK_FAILS_IF(cases[k].message, sweep_recipe_read(file, &r), RP_BAD_INPUT, cases[k].message);
         CU_ASSERT_STRING_EQUAL(r.name, "s");
         CU_ASSERT(cases[k].message || r.study == cases[k].study);
         CU_ASSERT(cases[k].message || r.has_runs == (strncmp(cases[k].text, "protocol", 8) == 0));
-        sweep_recipe_free(&r);
     }
 }
 

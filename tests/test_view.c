@@ -137,9 +137,9 @@ static void test_forces(void)
     const char *grain, *outline;
     int classes, pale_r, pale_g, pale_b, dark_r, dark_g, dark_b;
 #include "figures/chains.gp"
-    char shade[32];
-    snprintf(shade, sizeof shade, "rgb(%3ld, %3ld, %3ld)", lround((6.0 * pale_r + 5.0 * dark_r) / 11.0),
-             lround((6.0 * pale_g + 5.0 * dark_g) / 11.0), lround((6.0 * pale_b + 5.0 * dark_b) / 11.0));
+    const char *shade = check_text("rgb(%3ld, %3ld, %3ld)", lround((6.0 * pale_r + 5.0 * dark_r) / 11.0),
+                                   lround((6.0 * pale_g + 5.0 * dark_g) / 11.0),
+                                   lround((6.0 * pale_b + 5.0 * dark_b) / 11.0));
     CU_ASSERT(classes == 12 && *grain == '#' && *outline == '#');
     CU_ASSERT_STRING_EQUAL(half->color, shade);
     CHECK_PAIRS(0.02, {half->x, circles[0].x}, {half->y, circles[0].y}, {half->x2, circles[1].x},
@@ -539,10 +539,9 @@ static void test_animation(void)
     write_frames();
     tell(". -o a.gif --color m --fps 20");
     /* 8.5 by 11 m: 14 cm high */
-    char text[128];
-    snprintf(text, sizeof text,
-             "set terminal gif animate delay 5 loop 0 enhanced font 'DejaVu Sans,10' size %.0f,%.0f\n",
-             48.0 * (14.0 * 8.5 / 11.0 + 1.8 + 3.1), 48.0 * (14.0 + 1.4 + 1.5));
+    const char *text =
+        check_text("set terminal gif animate delay 5 loop 0 enhanced font 'DejaVu Sans,10' size %.0f,%.0f\n",
+                   48.0 * (14.0 * 8.5 / 11.0 + 1.8 + 3.1), 48.0 * (14.0 + 1.4 + 1.5));
     CU_ASSERT(strncmp(told, text, strlen(text)) == 0);
     CHECK_PARTS(told, "set xrange [-2.25:6.25]\n", "set yrange [-1.25:9.75]\n", "set cbrange [2:8]\n",
                 "set cblabel 'm (kg)' noenhanced\n");
@@ -589,11 +588,10 @@ static void test_chosen(void)
                   "pngcairo enhanced font 'DejaVu Sans,11' fontscale 1.1 linewidth 1.5 size 1080,840", 5}};
     write_frames();
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        char text[128];
         /* 15.5 by 11.1 cm, and 2.9 cm above and below */
         tell(". --window 0,15.5,0,11.1 -o %s", cases[k].words);
         is_told("set terminal %s", cases[k].terminal);
-        snprintf(text, sizeof text, "'step %s, ", cases[k].step);
+        const char *text = check_text("'step %s, ", cases[k].step);
         const char *first = strstr(told, "set label 1 '");
         CU_ASSERT(first && strncmp(first + 12, text, strlen(text)) == 0);
         CU_ASSERT_EQUAL(count_told("set label 1 "), cases[k].n);

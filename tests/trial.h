@@ -129,7 +129,7 @@ static inline void check_same_values(const trial *t, const trial *whole)
 static inline void check_cut(const char *text, const trial *whole, long part, long steps, long then)
 {
     scoped_trial cut, kept;
-    rp_snapshot s = {0};
+    RP_ENDS(rp_snapshot_free) rp_snapshot s = {0};
     start(&cut, text), start(&kept, text);
     while (exp_steps(cut.run) < steps && !exp_done(cut.run)) CHECK_OK(exp_advance(cut.run, part));
     exp_keep(&s, cut.run);
@@ -137,7 +137,6 @@ static inline void check_cut(const char *text, const trial *whole, long part, lo
     s.reading = true;
     exp_keep(&s, kept.run);
     CHECK_OK(rp_snapshot_end(&s));
-    rp_snapshot_free(&s);
     finish(&cut, then);
     finish(&kept, 333);
     check_same_values(&cut, whole), check_same_values(&kept, whole);

@@ -594,8 +594,7 @@ static void bad_values(void)
             if ((bad[b] == 0.0 && !fields[i].zero_too) ||
                 (isinf(bad[b]) && strncmp(fields[i].name, "mu", 2) == 0))
                 continue;
-            char word[40];
-            snprintf(word, sizeof word, "%s = ", fields[i].name);
+            const char *word = check_text("%s = ", fields[i].name);
             refuse_value(&def, pair, fields[i].field, bad[b], fields[i].name, word);
         }
     const struct {

@@ -406,7 +406,6 @@ static void smooth(void)
     for (int damped = 0; damped < 2; damped++)
         for (int i = 0; i < DEM_INTEGRATORS; i++) {
             double n[MAX_SIZES], error[MAX_SIZES];
-            char name[64];
             int sizes = 0;
             for (double steps = 100.0; steps < 900.0; steps *= 1.5, sizes++) {
                 n[sizes] = steps;
@@ -416,7 +415,7 @@ static void smooth(void)
             const int order = dem_schemes[i]->order[damped];
             if (order > 2) CU_ASSERT(f.slope > order - SAME_ORDER); /* or better */
             if (order <= 2) CHECK_NEAR(f.slope, order, SAME_ORDER);
-            snprintf(name, sizeof name, "%s/%s", damped ? "damped" : "undamped", dem_schemes[i]->name);
+            const char *name = check_text("%s/%s", damped ? "damped" : "undamped", dem_schemes[i]->name);
             CHECK_ROW(table, name, f.slope, f.se);
         }
     check_table_close(table, "order_smooth");
