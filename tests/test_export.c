@@ -732,22 +732,14 @@ static void test_refused(void)
 
 /* ---- other programs, where installed; Python */
 
-static void test_lammps(void)
+static void test_readers(void)
 {
+    static const char *const cases[][3] = {{"command -v lmp", "lmp", "lammps"},
+                                           {PYTHON "-c 'import vtkmodules'", "VTK", "vtk"},
+                                           {PYTHON "-c 'import pandas'", "pandas", "pandas"}};
     export_formats();
-    if (has("command -v lmp", "lmp")) CU_ASSERT(readers("lammps"));
-}
-
-static void test_vtk(void)
-{
-    export_formats();
-    if (has(PYTHON "-c 'import vtkmodules'", "VTK")) CU_ASSERT(readers("vtk"));
-}
-
-static void test_pandas(void)
-{
-    export_formats();
-    if (has(PYTHON "-c 'import pandas'", "pandas")) CU_ASSERT(readers("pandas"));
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
+        if (has(cases[k][0], cases[k][1])) CU_ASSERT(readers(cases[k][2]));
 }
 
 /* Random texts as names of columns and units, and as names of files: CSV and JSON have them as they are, the
@@ -834,5 +826,5 @@ static void test_package(void)
 CHECK_SUITE_WITHIN(export, "export", enter, leave, test_formats, test_sources, test_sweep, test_dump,
                    test_empty_frames, test_long_names, test_errors, test_dump_files, test_vtk_files,
                    test_text_files, test_lammps_input, test_spins, test_held, test_input_files,
-                   test_plain_input, test_types, test_laws, test_refused, test_lammps, test_vtk, test_pandas,
-                   test_random_texts, test_package)
+                   test_plain_input, test_types, test_laws, test_refused, test_readers, test_random_texts,
+                   test_package)

@@ -18,24 +18,25 @@
 
 static char *rest;
 
-/* The next line is this one. */
+/* The next line, or lines, are these. */
 static void line_is(const char *format, ...) __attribute__((format(printf, 1, 2)));
 static void line_is(const char *format, ...)
 {
     char expected[4096];
     va_list list;
     va_start(list, format);
-    vsnprintf(expected, sizeof expected, format, list);
+    const int length = vsnprintf(expected, sizeof expected - 1, format, list);
     va_end(list);
-    const char *line = rest ? strsep(&rest, "\n") : "(end of the text)";
-    const bool same = strcmp(line, expected) == 0;
-    if (!same) fprintf(stderr, "a line is:  %s\nexpected: %s\n", line, expected);
+    strcpy(expected + length, "\n");
+    const bool same = strncmp(rest, expected, strlen(expected)) == 0;
+    if (!same) fprintf(stderr, "the text goes on:\n%.400s\nexpected:\n%s", rest, expected);
     CU_ASSERT_FATAL(same);
+    rest += length + 1;
 }
 
 static void text_ends(void)
 {
-    CU_ASSERT(rest && *rest == '\0');
+    CU_ASSERT(*rest == '\0');
 }
 
 /* The next line of what is expected; false at its end. */
@@ -150,8 +151,7 @@ static void check_help(const cli_command *c)
         rest = out;
         snprintf(start, sizeof start, "usage: %s %s ", typed, c->name);
         if (c->group) {
-            line_is("%sCOMMAND [options]; repose %s COMMAND --help says more", start, c->name);
-            line_is("%s", "");
+            line_is("%sCOMMAND [options]; repose %s COMMAND --help says more\n", start, c->name);
             for (const cli_command *const *g = c->group; *g; g++)
                 line_is("  %-10s %s", own_name(*g), (*g)->summary);
             text_ends();
@@ -163,20 +163,15 @@ static void check_help(const cli_command *c)
         }
         line_is("%s", "");
         check_about(c->about, width);
-        line_is("%s", "");
-        line_is("options:");
+        line_is("\noptions:");
         const size_t n = options_of(c, options);
         for (size_t i = 0; i < n; i++) {
             snprintf(start, sizeof start, "  %-22.39s ", options[i].typed);
             filled(start, text_of(options[i].p, text), 25, width);
         }
-        line_is("  %-22s this text", "--help");
-        line_is("%s", "");
-        line_is("refuses:");
+        line_is("  %-22s this text\n\nrefuses:", "--help");
         for (const char *from = c->refuses; next_line(&from, line);) filled("  ", line, 4, width);
-        line_is("%s", "");
-        line_is("example:");
-        line_is("  %s", c->example);
+        line_is("\nexample:\n  %s", c->example);
         text_ends();
     }
 }
@@ -351,15 +346,13 @@ static void marked(const char *before, const char *text, const char *after)
 
 static void title_is(const char *before, const char *name)
 {
-    marked(before, name, "");
-    line_is("%s", "");
+    marked(before, name, "\n");
 }
 
 static void item_is(const char *dashes, const char *name, const char *text)
 {
     marked(check_text("**%s", dashes), name, "**");
-    marked(":   ", text, "");
-    line_is("%s", "");
+    marked(":   ", text, "\n");
 }
 
 /* Lines in the form of the text are indented, with a blank line before and after. */
@@ -391,8 +384,7 @@ static void schema_is(const rp_param *schema)
             for (const char *c = strncpy(word, at, 63); c - word < end - at; c++)
                 to += sprintf(to, *c == '_' ? "\\%c" : "%c", *c);
             strcpy(to, "*: ");
-            marked(text, p->manual[k++], "");
-            line_is("%s", "");
+            marked(text, p->manual[k++], "\n");
         }
     }
 }
@@ -407,10 +399,7 @@ static void command_is(const cli_command *c)
         return; /* `each` continues with its commands */
     }
     snprintf(text, sizeof text, "**repose %s** ", c->name);
-    for (const char *from = c->synopsis; next_line(&from, line);) {
-        marked(text, line, "");
-        line_is("%s", "");
-    }
+    for (const char *from = c->synopsis; next_line(&from, line);) marked(text, line, "\n");
     lines_are(c->about);
     const size_t n = options_of(c, options);
     for (size_t i = 0; i < n; i++) {
@@ -422,11 +411,7 @@ static void command_is(const cli_command *c)
         marked(text, line, "");
         *text = '\0';
     }
-    line_is("%s", "");
-    line_is("Example:");
-    line_is("%s", "");
-    line_is("    %s", c->example);
-    line_is("%s", "");
+    line_is("\nExample:\n\n    %s\n", c->example);
 }
 
 static void test_manual(void)
@@ -436,13 +421,11 @@ static void test_manual(void)
     CU_ASSERT_PTR_NOT_NULL_FATAL(files);
     GOOD("help --markdown");
     rest = out;
-    line_is("%% REPOSE(1) Repose %s | User Commands", RP_VERSION);
-    line_is("%s", "");
+    line_is("%% REPOSE(1) Repose %s | User Commands\n", RP_VERSION);
     title_is("# ", "NAME");
     title_is("repose \\- ", cli_repose.about);
     title_is("# ", "SYNOPSIS");
-    line_is("**repose** *COMMAND* [options]");
-    line_is("%s", "");
+    line_is("**repose** *COMMAND* [options]\n");
     title_is("# ", "COMMANDS");
     each(cli_repose.commands, command_is);
     title_is("# ", "KEYS OF A SCENE FILE");
@@ -508,18 +491,13 @@ static void test_completion(void)
     char words[1024] = "";
     GOOD("help --completion");
     rest = out;
-    line_is("# Completion of repose, from `repose help --completion`; names of files where no word fits.");
-    line_is("_repose()");
-    line_is("{");
-    line_is("    local words=");
-    line_is("    case \"${COMP_WORDS[*]:1:COMP_CWORD-1} \" in");
+    line_is("# Completion of repose, from `repose help --completion`; names of files where no word fits.\n"
+            "_repose()\n{\n    local words=\n    case \"${COMP_WORDS[*]:1:COMP_CWORD-1} \" in");
     for (const cli_command *const *c = cli_repose.commands; *c; c++) completion_of(*c);
     for (const cli_command *const *c = cli_repose.commands; *c; c++) strcat(strcat(words, (*c)->name), " ");
-    line_is("    ' ') words='%s--help --version' ;;", words);
-    line_is("    esac");
-    line_is("    mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"${COMP_WORDS[COMP_CWORD]}\")");
-    line_is("}");
-    line_is("complete -o bashdefault -o default -F _repose repose");
+    line_is("    ' ') words='%s--help --version' ;;\n    esac", words);
+    line_is("    mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"${COMP_WORDS[COMP_CWORD]}\")\n}\n"
+            "complete -o bashdefault -o default -F _repose repose");
     text_ends();
 }
 
