@@ -64,6 +64,8 @@ static const struct {
     {"independent", "-", "-", "-", "0.7", "trend k=1 change", "-", "open",
      "0.10 ± 0.40 (90 %: -0.60 to 0.80)"},
     {"independent", "-", "-", "-", "1", "trend k=2 change", "-", "open", "2.0 ± 1.0 (90 %: 0.3 to 3.7)"},
+    {"independent", "-", "-", "-", "0.2", "trend k=2 change", "-", "not reproduced",
+     "2.0 ± 1.0 (90 %: 0.3 to 3.7)"},
     {"independent", "-", "-", "-", "1", "trend k=3 change", "-", "not reproduced",
      "-3.0 ± 1.0 (90 %: -4.7 to -1.3)"},
     {"independent", "-", "-", "-", "1", "trend k=4 change", "-", "open", "-inf (90 %: -inf to 1.100)"},
