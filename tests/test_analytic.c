@@ -1,6 +1,7 @@
 /* Analytic force models: lattice, continuum, polygonal profiles, each against a second method. */
 #include <float.h>
 #include <gsl/gsl_integration.h>
+#include <gsl/gsl_sort.h>
 
 #include "analytic/analytic.h"
 #include "tests/check.h"
@@ -85,17 +86,12 @@ static void triangle_printed_values(void)
     CHECK_NEAR(triangle(AN_LAYERS_MAX, M_PI / 3, AN_LAYERS_MAX).H, sqrt(3) * 999999 / 2, 1e6 * ROUND);
 }
 
-/* Forces grow to k by k additions. */
-static double recursion_tol(long k)
-{
-    return (double)k * (double)k * DBL_EPSILON;
-}
-
 static void compare_outline(long k, const long up[], double theta, an_force counts[], an_force recursion[])
 {
+    const double additions = (double)k * (double)k * DBL_EPSILON; /* forces grow to k by k of them */
     CHECK_OK(an_lattice_counts(k, up, theta, counts));
     CHECK_OK(an_lattice_recursion(k, up, theta, recursion));
-    for (long i = 0; i < k; i++) NEAR_FORCE(recursion[i], counts[i], recursion_tol(k));
+    for (long i = 0; i < k; i++) NEAR_FORCE(recursion[i], counts[i], additions);
 }
 
 static void triangle_three_ways(void)
@@ -448,12 +444,6 @@ static void profile_chords_end_on_outline(void)
     CHECK_NEAR(y, 0.155, ROUND);
 }
 
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* N sums to the weight, 2/sqrt 3 of the area in these units, and H to 0. Both are linear between the
  * positions whose rays end on a vertex. */
 static void profile_weight(void)
@@ -466,7 +456,7 @@ static void profile_weight(void)
         kinks[2 * i] = RANGE[i].x - RANGE[i].y / sqrt(3);
         kinks[2 * i + 1] = RANGE[i].x + RANGE[i].y / sqrt(3);
     }
-    qsort(kinks, 2 * N_RANGE, sizeof *kinks, ascending);
+    gsl_sort(kinks, 1, 2 * N_RANGE);
     gsl_integration_workspace *w = gsl_integration_workspace_alloc(100);
     gsl_function f = {profile_N, &p}, g = {profile_H, &p};
     CU_ASSERT_EQUAL(gsl_integration_qagp(&f, kinks, 2 * N_RANGE, INTEGRAL_TOL, 0, 100, w, &N, &error), 0);

@@ -1,6 +1,7 @@
 /* Core: parameter schema, parameter files, random streams, tables. */
 #include <fcntl.h>
 #include <gsl/gsl_cdf.h>
+#include <gsl/gsl_sort.h>
 #include <stdint.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -314,12 +315,6 @@ static void random_streams(void)
 }
 
 /* Kolmogorov's distance of 40 000 deviates from the truncated normal is below the 1e-4 quantile. */
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static void cut_normal(void)
 {
     enum { N = 40000 };
@@ -330,7 +325,7 @@ static void cut_normal(void)
         const double m = cases[c][0], w = cases[c][1], lo = cases[c][2], hi = cases[c][3];
         scoped_rng *r = numbers_of(7, (unsigned long)c);
         for (int i = 0; i < N; i++) v[i] = rp_random_cut_normal(r, m, w, lo, hi);
-        qsort(v, N, sizeof *v, ascending);
+        gsl_sort(v, 1, N);
         CU_ASSERT(v[0] >= lo && v[N - 1] <= hi);
         double low = gsl_cdf_ugaussian_P((lo - m) / w), all = gsl_cdf_ugaussian_P((hi - m) / w) - low,
                most = 0.0;

@@ -1,4 +1,5 @@
 /* Fills: laws of radii, patterns, several fills in one scene. */
+#include <gsl/gsl_sort.h>
 #include <stddef.h>
 
 #include "check.h"
@@ -15,12 +16,6 @@ static double density_of(const dem_fill *f, double r)
                                          : exp(-0.5 * l * l / s2) / r;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const double *p = a, *q = b;
-    return (*p > *q) - (*p < *q);
-}
-
 /* Largest distance between the radii's distribution and the law's, times the root of their number; the law's
  * shares are divided by the power of r that a grain has of them. */
 static double kolmogorov(const dem_fill *f, size_t n, const dem_grain *grains, double power)
@@ -28,7 +23,7 @@ static double kolmogorov(const dem_fill *f, size_t n, const dem_grain *grains, d
     enum { POINTS = 20000 };
     double *r = malloc(n * sizeof *r), *sum = malloc((POINTS + 1) * sizeof *sum), most = 0.0;
     for (size_t i = 0; i < n; i++) r[i] = grains[i].r;
-    qsort(r, n, sizeof *r, by_value);
+    gsl_sort(r, 1, n);
     sum[0] = 0.0;
     const double h = (f->radius_max - f->radius_min) / POINTS;
     for (int k = 0; k < POINTS; k++) {
