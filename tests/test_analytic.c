@@ -78,8 +78,7 @@ static an_profile tent_of(double outer_deg, double inner_deg, double x1, an_poin
 static void triangle_printed_values(void)
 {
     CHECK_NEAR(triangle(45, M_PI / 6, 1).N, 23, 0);
-    CHECK_NEAR(triangle(45, M_PI / 6, 1).H, -44 / (2 * sqrt(3)),
-               44 * ROUND); /* (44): H < 0 at the left toe */
+    CHECK_NEAR(triangle(45, M_PI / 6, 1).H, -44 / (2 * sqrt(3)), 44 * ROUND); /* (44): < 0 at the left toe */
     CHECK_NEAR(triangle(45, M_PI / 6, 23).H, 0, 0);
     CHECK_NEAR(triangle(238, 0.8135, 200).N, 119.5, 0); /* (43) */
     CHECK_NEAR(triangle(238, 0.8135, 200).H, tan(0.8135) * 80.5, 81 * ROUND);
@@ -533,8 +532,7 @@ static void tent_dip(void)
     CHECK_NEAR(tent_at(45, 30, 0.5), flattened, ROUND);
 }
 
-/* The largest N is at least that of a scan, at the same position: for tents of all kinds, and for outlines in
- * any unit. */
+/* The largest N is at least a scan's, at the same position: tents of all kinds, outlines in any unit. */
 static void largest_force(void)
 {
     static const double tents[][3] = {

@@ -821,7 +821,8 @@ static void faults(void)
         CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_OVERLAP);
     }
 
-    def = grains_of(1, grains), def.gravity[1] = -1e9;
+    def = grains_of(1, grains);
+    def.gravity[1] = -1e9;
     grains_again(&sim, &def, 0);
     CHECK_FAILS(dem_run(sim, 100000), RP_BROKEN, "too_fast at step");
     def.gravity[1] = -1e308, def.dt = 1e100, def.material.k_n = def.material.k_s = 1e-300;
@@ -1448,7 +1449,8 @@ static void overlap_of_the_start(void)
         if (k == 4) grains[1].x = 1.2;
         if (k == 5) grains[1].r = 0.3, grains[1].x = 0.9 - d; /* has up to pi/asin(1/4) neighbours, not 6 */
         def.material.gamma_n = def.material.mu = 0.0;
-        def.tangential = DEM_NONE, def.n_walls = k == 4;
+        def.tangential = DEM_NONE;
+        def.n_walls = k == 4;
         def.walls[0] = grains_line(0.4 + d, 0.0, 1.0, 0.0, &def.material);
         const double k_n = def.material.k_n,
                      m_eff = k == 2   ? m[1]

@@ -250,8 +250,7 @@ static void test_oblique_end(void)
 static void test_same_bits(void)
 {
     dem_grain one = {.x = 0.3, .y = 0.7, .r = 0.1, .m = 0.2, .vx = 1.5, .vy = -2.5};
-    dem_definition def = dem_definition_default();
-    def.grains = &one, def.n_grains = 1;
+    dem_definition def = grains_of(1, &one);
     scoped_sim *a = grains_start(&def), *same = grains_start(&def);
     CU_ASSERT(grains_same_bits(a, same));
     double *const members[] = {&one.x, &one.y, &one.r, &one.m, &one.vx, &one.vy};
@@ -276,8 +275,7 @@ static void test_wrong_pairs(void)
     dem_grain three[] = {{.x = 0.0, .y = 1.0, .r = 0.1, .m = 1.0},
                          {.x = 0.2, .y = 1.0, .r = 0.1, .m = 1.0},
                          {.x = 9.0, .y = 1.0, .r = 0.1, .m = 1.0}};
-    dem_definition def = dem_definition_default();
-    def.grains = three, def.n_grains = 3;
+    dem_definition def = grains_of(3, three);
     scoped_sim *sim = grains_start(&def);
     CU_ASSERT_FATAL(sim->pairs.n == 1);
     CU_ASSERT(grains_wrong_pairs(sim) == 0);
@@ -373,8 +371,7 @@ static void test_commit(void)
     CU_ASSERT_PTR_NOT_NULL(strstr(out, line));
 }
 
-/* A commit is named as such only where the files are those of the commit; what a study has written is none of
- * the program. */
+/* A commit is named as such only where the files are its own; what a study has written is none of them. */
 static void test_dirty_commit(void)
 {
     static const char script[] =

@@ -369,8 +369,7 @@ static void solve(const pile_case *c, sweep_outline *h, statics_pile **pile, sta
     CHECK_OK(statics_solve(*pile, r));
 }
 
-/* Of the contacts that no other of one of their disks is stronger than, or weaker (sign -1): how many of them
- * are level. */
+/* Of contacts that no other of one of their disks is stronger (sign -1: weaker) than: how many are level. */
 static double level_part(size_t n, const statics_contact list[], double sign)
 {
     size_t all = 0, level = 0;
@@ -422,9 +421,8 @@ static void check_base(const pile_case *c, const sweep_outline *h, const double 
     CHECK_OK(stress_base_profile(K, x, r_disk, N, &base));
     CHECK_OK(stress_base_profile(K, x, r_disk, exact, &diagonals));
     stress_base_bins(&base, K, x, r_disk, exact, rays);
-    for (int k = 0; k < STRESS_DIP_BINS; k++) {
+    for (int k = 0; k < STRESS_DIP_BINS; k++)
         CHECK_NEAR(output(r, check_text("n_%02d", k + 1)), base.N[k], BALANCE);
-    }
     CHECK_EACH(output(r, NAME), BALANCE, {"middle", middle_of(base.N)},
                {"middle_diagonals", middle_of(diagonals.N)}, {"excess", inner(base.N) - inner(rays)});
 }

@@ -119,8 +119,7 @@ static void refused(void)
          ":3: E and k_n or k_s of a wall; keep one"},
         {"contacts_file = \"c.tsv\";", "contacts_file: needs particles_file"},
         {"fill = ( { N = 3; W = 3.0; H = 3.0; seed = 2; }, { N = 3; W = 3.0; H = 3.0; run = 2; } ); phases = "
-         "( { name "
-         "= \"a\"; steps = 1; } );",
+         "( { name = \"a\"; steps = 1; } );",
          ":2: run: of the first fill"},
         {"colour = 1;", ":2: colour: unknown key"},
         {"partcles = 1;", ":2: partcles: unknown key (did you mean \"particles\"?)"},
@@ -512,9 +511,8 @@ static void energy_of_few(void)
 {
     const dem_grain grains[2] = {{.x = 0.5, .r = 0.1, .m = 3.0, .vx = 100.0},
                                  {.x = 0.0, .r = 0.1, .m = 5.0, .vx = 100.0}};
-    dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0, def.x_max = 1.0;
-    def.grains = grains, def.n_grains = 2;
+    dem_definition def = grains_afloat(2, grains);
+    def.x_max = 1.0;
     scoped_sim *sim = grains_start(&def);
     for (int left = 0; left < 3; left++) {
         double v[8] = {0.0};

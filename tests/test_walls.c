@@ -24,7 +24,8 @@ static void piston(void)
         def.dt = hard ? 5e-5 : 2e-6;
         def.tension = !hard;
         if (hard) def.hard = (dem_hard){true, 0.7, 0.0};
-        def.ledger = true, def.n_walls = 1;
+        def.ledger = true;
+        def.n_walls = 1;
         def.walls[0] = grains_line(0.0, 0.0, 1.0, 0.0, &def.material);
         def.walls[0].velocity[0] = V;
         dem_collision_result impact = {.restitution = 0.7};
@@ -761,9 +762,8 @@ static void refused(void)
         {"point = [0.0, 0.0]; direction = [0.0, 1.0]; extent = [0.0, 1.0]; open_at_step = 3;\n"
          "open_speed = 2.0; omega = 1.0;",
          "can only open at once"}};
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
         grains_refused(check_text("walls = ( { %s } ); " ONE, cases[k][0]), NULL, cases[k][1]);
-    }
 #define FLOOR "{ point = [0.0, 0.0]; direction = [0.0, 1.0]; }"
     static const char *const starts[][2] = {
         /* what lies on a whole line would never act, unless it is alike, or the line opens */
