@@ -435,8 +435,7 @@ static void test_refused(void)
         {rain, "remove = `right`", "remove = `rigt`", "remove = \"rigt\": no such region (did you mean"},
         {rain, "phases = (",
          "ground = { wall = 1; mu_static = 0.5; a = 0.001; }; phases = ( { name = `lift`; open = `floor`; "
-         "steps = "
-         "1; },",
+         "steps = 1; },",
          "open = \"floor\": the ground can't open"},
         {rain, "(9.0, 9.0), ", "", NULL},
         {rain, "( (0.0, -1.0), (9.0, -1.0), (9.0, 9.0), (0.0, 9.0) )", "( (0.0, -1.0), (9.0, -1.0) )",

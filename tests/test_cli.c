@@ -123,8 +123,7 @@ static void test_wrong_usage(void)
         {64, "usage: repose angle slope FILE", "angle slope --width 4"},
         {64, "give a file, or --resume DIR", "run"},
         {64, "-o: empty; leave it out", "run s.cfg -o ''"},
-        {64, "--resume: empty", "run s.cfg --resume ''"},
-    };
+        {64, "--resume: empty", "run s.cfg --resume ''"}};
     CHECK_FAILURES(list);
 }
 
@@ -352,8 +351,7 @@ static void test_bad_values(void)
         {65, "none/sweep.cfg: cannot read", "sweep status none"},
         {65, "none/sweep.cfg: cannot read", "sweep export none"},
         {65, "none/sweep.cfg: cannot read", "sweep digest none"},
-        {65, "-j = 0: out of range", "sweep run none -j 0"},
-    };
+        {65, "-j = 0: out of range", "sweep run none -j 0"}};
     write_text("short.tsv", "1 2 0.1\n1 2\n");
     write_text("empty.tsv", "# units: cm\tcm\n# x\ty\n");
     CHECK_FAILURES(list);
@@ -391,11 +389,9 @@ static void test_bench(void)
 static void test_bad_scenes(void)
 {
 #define SCENE " walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } ); particles = ( " GRAIN " );"
-    static const char *const list[][2] = {
-        {"frob = 3;" SCENE, "s.cfg:1: frob: unknown key"},
-        {"dt = 1.0e-2;" SCENE, "the limit is "},
-        {"particles_file = \"/dev/zero\";", "/dev/zero: no text"},
-    };
+    static const char *const list[][2] = {{"frob = 3;" SCENE, "s.cfg:1: frob: unknown key"},
+                                          {"dt = 1.0e-2;" SCENE, "the limit is "},
+                                          {"particles_file = \"/dev/zero\";", "/dev/zero: no text"}};
     CHECK_REFUSED(list, "s.cfg", "run s.cfg -o made");
     write_text("s.cfg", "particles = ( " GRAIN " );\n");
     static const failure changes[] = {
@@ -442,8 +438,7 @@ static void test_bad_sweeps(void)
     static const char *const list[][2] = {
         {REPOSE "fixed = { frob = 1; };", "frob: unknown key"},
         {REPOSE "fixed = { dt = 1.0e-3; };", "the limit is "},
-        {REPOSE "fixed = { slip = \"total\"; };", "needs stop = \"steps\""},
-    };
+        {REPOSE "fixed = { slip = \"total\"; };", "needs stop = \"steps\""}};
     CHECK_REFUSED(list, "s.cfg", "sweep plan s.cfg -o d");
     SHELL("! test -e d");
     write_text("s.cfg", "protocol = \"repose\"; replicas = 2; seed = 1;\n");
@@ -468,26 +463,23 @@ static void test_broken_output(void)
         {74, "garbage/store.sqlite: cannot read the store", "sweep status garbage"},
         {74, "garbage/store.sqlite: cannot read the store", "sweep export garbage"},
         {74, "garbage/store.sqlite: cannot read the store", "sweep digest garbage"},
-        {74, "garbage/store.sqlite: cannot read the store", "sweep plan s.cfg -o garbage"},
-    };
-    static const char *const writers[] = {
-        "--help",
-        "--version",
-        "lattice --help",
-        "sweep --help",
-        "angle --help",
-        "lattice --layers 5",
-        "lattice --layers 5000", /* more than a buffer */
-        "continuum --alpha-deg 30",
-        "tent --outer-deg 30 --inner-deg 45 --x1 0.38",
-        "angle marginal --mu 0.2",
-        "angle tilt --mu 0.2 --theta-r-deg 18",
-        "run scene.cfg",
-        "sweep status d",
-        "sweep export d",
-        "bench -n 3 --steps 10",
-        "params",
-    };
+        {74, "garbage/store.sqlite: cannot read the store", "sweep plan s.cfg -o garbage"}};
+    static const char *const writers[] = {"--help",
+                                          "--version",
+                                          "lattice --help",
+                                          "sweep --help",
+                                          "angle --help",
+                                          "lattice --layers 5",
+                                          "lattice --layers 5000", /* more than a buffer */
+                                          "continuum --alpha-deg 30",
+                                          "tent --outer-deg 30 --inner-deg 45 --x1 0.38",
+                                          "angle marginal --mu 0.2",
+                                          "angle tilt --mu 0.2 --theta-r-deg 18",
+                                          "run scene.cfg",
+                                          "sweep status d",
+                                          "sweep export d",
+                                          "bench -n 3 --steps 10",
+                                          "params"};
     write_text("file", "a file where a folder is expected\n");
     write_text("scene.cfg", "steps = 2; fill = { N = 3; W = 1.0; H = 1.0; };\n");
     write_text("s.cfg", "protocol = \"repose\"; replicas = 2; seed = 1;\n");
@@ -1122,9 +1114,8 @@ static void test_report(void)
                CLAIMS CLAIM("angle", "20.10\t1") PLAIN("high", "above", "-", "many k=8 v", "0"));
     write_text("many.tsv",
                "# note: so it is\n# k\tv\tv_se\tn\n7\t20.1\t0.2\t12\n8\t0.1\t0.01\t12\n9\tnan\tnan\t0\n");
-    write_text("in.md", "{{value many k=7 v}}, {{value many k=9 v}}; {{cell many k=7 n}} "
-                        "{{cell many k=8 v %%.2g}}; "
-                        "{{note many note}}; {{published angle}}; {{ours high}} of {{number high}}; "
+    write_text("in.md", "{{value many k=7 v}}, {{value many k=9 v}}; {{cell many k=7 n}} {{cell many k=8 v "
+                        "%%.2g}}; {{note many note}}; {{published angle}}; {{ours high}} of {{number high}}; "
                         "{{verdict high}}; {{counts li}}\n"
                         "{{rows many k=7:8 | k v:+- n:%%.0f}}\n{{rows none | k}}\n"
                         "All of {{value many k=7 v}} and {{value none v}} piles.\n| {{value none v}} |\n");

@@ -18,8 +18,7 @@ static const double tight = 1e-11;
 
 /* ---- a pile: its grains and contacts as tables ---- */
 
-/* The force on the first of two bodies, from the normal force and the shear force along the normal turned
- * clockwise. */
+/* Force on the first of two bodies, from the normal force and the shear along the normal turned clockwise. */
 typedef struct {
     double fx, fy, lx, ly;
     bool floor;

@@ -242,8 +242,7 @@ static void whole_numbers(void)
         {"@include \"/no/such.cfg\"\n", ":1: @include: a file must be whole in itself"},
         {"n = 5;\n  @include  \"more.cfg\"\n", ":2: @include: a file must be whole in itself"},
         {"text = \"\n@include\"; /*\n@include \"more.cfg\" */", ":1: text: a text on one line, without tabs"},
-        {"text = \" ~\xc2\x80\xdf\xbf\xe0\xa0\x80\xef\xbf\xbf\xf0\x90\x80\x80\xf4\x8f\xbf\xbf\";", NULL},
-    };
+        {"text = \" ~\xc2\x80\xdf\xbf\xe0\xa0\x80\xef\xbf\xbf\xf0\x90\x80\x80\xf4\x8f\xbf\xbf\";", NULL}};
     static const char *const broken[] = {"\x1f",    "\x7f",     "\x80",         "\xc1\x80",
                                          "\xdf",    "\xe0\xa0", "\xf0\x90\x80", "\xf5\x80\x80\x80",
                                          "\xc2\xc2"};
@@ -376,18 +375,16 @@ static rp_status read_as(const char *text, rp_table *t)
 /* Header with or without #, tabs, blanks or commas, a byte order mark, lines that end with CR: one table. */
 static void table_forms(void)
 {
-    static const char *const same[] = {
-        "# note: a b\n# units: cm\t1\nx\ty\n1\t2\n3\tnan\n",
-        "# units: cm\t1\n# x\ty\n1\t2\n3\tnan\n",
-        "# x y\n1 2\n3 nan\n",
-        "# x, y\n1 2\n3 nan\n",
-        "#x,y\n1,2\n3,nan\n",
-        "x\ty\n1\t2\n# units: cm\t1\nx\ty\n3\tnan\n",
-        "x,y\r\n1,2\r\n3,nan\r\n",
-        "\xEF\xBB\xBFx, y\n1, 2\n3, nan\n",
-        "\xEF\xBB\xBF# x\ty\n1\t2\n3\tnan\n# unfinished: x y\n",
-        "\n  x  y\n\n1 2\n# between\n3 nan\n",
-    };
+    static const char *const same[] = {"# note: a b\n# units: cm\t1\nx\ty\n1\t2\n3\tnan\n",
+                                       "# units: cm\t1\n# x\ty\n1\t2\n3\tnan\n",
+                                       "# x y\n1 2\n3 nan\n",
+                                       "# x, y\n1 2\n3 nan\n",
+                                       "#x,y\n1,2\n3,nan\n",
+                                       "x\ty\n1\t2\n# units: cm\t1\nx\ty\n3\tnan\n",
+                                       "x,y\r\n1,2\r\n3,nan\r\n",
+                                       "\xEF\xBB\xBFx, y\n1, 2\n3, nan\n",
+                                       "\xEF\xBB\xBF# x\ty\n1\t2\n3\tnan\n# unfinished: x y\n",
+                                       "\n  x  y\n\n1 2\n# between\n3 nan\n"};
     RP_ENDS(rp_table_free) rp_table t = {0};
     int column;
     for (int texts = 0; texts < 2; texts++)

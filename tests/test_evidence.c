@@ -215,8 +215,7 @@ static void test_section(void)
              "| claim | what it says | paper (samples) | here | values | verdict | note "
              "|\n|---|---|---|---|---|---|---|\n"
              "| one | first | 20 ± 0.9 (40) | 21.5 ± 1.0 | 12 | reproduced | at rest; +1.1 se; 2 of 14 "
-             "failed (no_pile, "
-             "overlap) |\n"
+             "failed (no_pile, overlap) |\n"
              "| variant two | second | 20 ± 0.9 (40) | 24.0 ± 1.0 |  | not reproduced | +3.0 se |\n"
              "| three | third |  |  |  | reproduced | too few; by tests |\n"
              "| six | sixth |  | 1 |  | reproduced |  |\n"
@@ -316,22 +315,20 @@ static void test_failed_cells(void)
 /* A reference finds its row by numbers as numbers and by words as words. */
 static void test_references(void)
 {
-    static const char *const cases[][2] = {
-        {"5", "1"},
-        {"5x", "2"},
-        {"50", "3"},
-        {"word", "4"},
-        {"5e1", "3"},
-        {"6:60", "3"},
-        {"50:60", "3"},
-        {"6:50", "3"},
-        {"-.5", "5"},
-        {"-1:-0.2", "5"},
-        {"1e-6", "6"},
-        {"1.0000001e-6", "7"},
-        {"1000000.0000001", "8"},
-        {"5 v=1", "1"},
-    };
+    static const char *const cases[][2] = {{"5", "1"},
+                                           {"5x", "2"},
+                                           {"50", "3"},
+                                           {"word", "4"},
+                                           {"5e1", "3"},
+                                           {"6:60", "3"},
+                                           {"50:60", "3"},
+                                           {"6:50", "3"},
+                                           {"-.5", "5"},
+                                           {"-1:-0.2", "5"},
+                                           {"1e-6", "6"},
+                                           {"1.0000001e-6", "7"},
+                                           {"1000000.0000001", "8"},
+                                           {"5 v=1", "1"}};
     write_text("claims.tsv", CLAIMS);
     write_text("t.tsv",
                "# k\tv\n5.0\t1\n5x\t2\n50\t3\nword\t4\n-0.5\t5\n0.000001\t6\n1.0000001e-6\t7\n1e6\t8\n");
@@ -347,8 +344,7 @@ static void test_references(void)
                         "1\t20\t5\t1\t30\t6\t0.2\t40\t0.3\t7\t7.123456\tok\n");
     write_text("in.md", "{{value t k=1 a}}, {{value t k=1 b_deg}}, {{value t k=1 d_deg}}, {{value t k=1 c}}; "
                         "{{cell t k=1 c}} {{cell t k=1 c %%.1f}} {{cell t k=1 e}} {{cell t k=1 e %%.6g}} "
-                        "{{cell t k=1 e %%.1f}} "
-                        "{{cell t k=1 f}}\n{{rows t | k c:%%.1f a:+-}}\n");
+                        "{{cell t k=1 e %%.1f}} {{cell t k=1 f}}\n{{rows t | k c:%%.1f a:+-}}\n");
     REPORTS("page in.md --tables . --claims claims.tsv");
     CU_ASSERT_STRING_EQUAL(out, filled);
     /* from another folder */
@@ -712,8 +708,7 @@ static size_t check_statement(const char *id, const char *text, const config_t *
     return n_checked;
 }
 
-/* What a claim does not say is as the header line `at` of its paper has it, but in sweeps of boxes of several
- * sizes. */
+/* What a claim does not say is as the header line `at` of its paper has it, but for several boxes. */
 static void check_at(const rp_table *t, size_t row, const char *path, const config_t *config,
                      const sweep_protocol *protocol)
 {

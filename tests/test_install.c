@@ -195,8 +195,7 @@ static void test_examples(void)
                "    dem_sim *s;\n    dem_definition d = dem_definition_default();\n"
                "    return !dem_create(&d, &s) || ang_marginal(0.2, 1.0, &m, NULL);\n}\n");
     PASSES("for m in 'dem repose-angle' 'angle repose-dem' 'angle repose-analytic repose-dem'; do ${CC:-gcc} "
-           "$SANITIZE "
-           "both.c $(pkg-config --cflags --libs repose-$m) -o both || exit 1; done");
+           "$SANITIZE both.c $(pkg-config --cflags --libs repose-$m) -o both || exit 1; done");
 }
 
 /* ---- manual and completion ---- */
@@ -287,8 +286,8 @@ static void test_debian(void)
     PASSES("grep '^version: ' $SOURCE/CITATION.cff");
     CU_ASSERT_STRING_EQUAL(out, "version: " RP_VERSION "\n");
     PASSES("for p in $(sed -n '/^PACKAGES/,/[^\\\\]$/p' $SOURCE/Makefile); do case $p in libcunit*) ;; "
-           "lib*-dev|pkg-config) "
-           "grep -qw -e \"$p\" $SOURCE/debian/control || { echo $p; exit 1; } ;; esac; done");
+           "lib*-dev|pkg-config) grep -qw -e \"$p\" $SOURCE/debian/control || { echo $p; exit 1; } ;; esac; "
+           "done");
 }
 
 CHECK_SUITE_WITHIN(install, "install", enter, leave, test_targets, test_data, test_order, test_headers,

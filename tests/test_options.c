@@ -94,9 +94,8 @@ static double scatter(int i)
 /* Piles of repose and stress at mu 0.1 to 0.4 and W 2 to 6, five of each; theta bends with W. */
 static void print_runs(FILE *file)
 {
-    fprintf(file, "# "
-                  "mu\tW\ttheta\tse\tseconds\tsteps\treplica\tpile\ttheta_r3_deg\ttheta_t_displacement_"
-                  "deg\tn_0\tn_1\th_0\th_1\t"
+    fprintf(file, "# mu\tW\ttheta\tse\tseconds\tsteps\treplica\tpile\ttheta_r3_deg\t"
+                  "theta_t_displacement_deg\tn_0\tn_1\th_0\th_1\t"
                   "sxx_0\tsxy_0\tsyx_0\tsyy_0\tsxx_1\tsxy_1\tsyx_1\tsyy_1\tstatus\n");
     for (int i = 0; i < 60; i++) {
         const double mu = 0.1 * (1 + i % 4), W = 2.0 + 2.0 * (i / 4 % 3), s = scatter(i), t = scatter(i + 60);

@@ -429,8 +429,7 @@ static void onset(dem_sim *sim, const tilting *t, double *displacement, double *
     }
 }
 
-/* The last tenth of a degree before a grain with two contacts or more has moved by 0.5 d, with rest after
- * each tenth. */
+/* The last tenth of a degree before a grain with two contacts or more moves by 0.5 d, at rest after each. */
 static double static_onset(dem_sim *sim, const tilting *t)
 {
     dem_state at[256];
@@ -521,16 +520,14 @@ static void test_refusals(void)
     static const struct {
         const char *settings;
         const char *message;
-    } cases[] = {
-        {"mu_roll=0.1", "mu_roll = 0.1: needs rotation = true"},
-        {"rotation=true integrator=gear5", "grains that rotate need the integrator verlet"},
-        {"slip=total", "needs stop = \"steps\""},
-        {"stop=steps theta_t_static=true", "needs stop = \"rest\""},
-        {"dt=2e-4", "dt = 0.0002: too large"},
-        {"integrator=gear5 dt=1e-4", "dt = 0.0001: too large"},
-        {"radius_min=0.11", "radius_mean = 0.1: must lie between"},
-        {"W=0.9", "at least five grain diameters expected (W >= 5*d; W = 0.9)"},
-    };
+    } cases[] = {{"mu_roll=0.1", "mu_roll = 0.1: needs rotation = true"},
+                 {"rotation=true integrator=gear5", "grains that rotate need the integrator verlet"},
+                 {"slip=total", "needs stop = \"steps\""},
+                 {"stop=steps theta_t_static=true", "needs stop = \"rest\""},
+                 {"dt=2e-4", "dt = 0.0002: too large"},
+                 {"integrator=gear5 dt=1e-4", "dt = 0.0001: too large"},
+                 {"radius_min=0.11", "radius_mean = 0.1: must lie between"},
+                 {"W=0.9", "at least five grain diameters expected (W >= 5*d; W = 0.9)"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         protocol = protocol_of(&sweep_protocol_repose);
         scoped void *params = PROTOCOL_PARAMS(protocol, cases[i].settings);

@@ -9,8 +9,7 @@
 
 static const double PLAIN = INFINITY, BY_SIZE = 0.0; /* most tests of a grain in the plain search */
 
-/* The first grain is the largest, of radius 1; areas of all ranges of log r are the same. Their box is about
- * half full. */
+/* The first grain is the largest, of radius 1; areas of all ranges of log r are equal. A half full box. */
 static dem_definition mixture(long n, double ratio, unsigned long seed, double *width, dem_grain **grains)
 {
     dem_definition def = dem_definition_default();

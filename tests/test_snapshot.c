@@ -406,9 +406,8 @@ static void killed_runs(void)
         for (int ms = check_fast() ? 300 : 15 + 7 * k; status != 0 || attempts == 0; ms = ms * 6 / 5) {
             status = shell_line(
                 "go='run --resume d'; " /* removed here: a killed shell leaves its children behind */
-                "test -e d/unfinished/snapshot || grep -q '^+' d/.repose || { rm -rf d; "
-                "go='run s.cfg --every 70 -o d --dump xyz --snapshot 100'; }; "
-                "timeout -s %s %d.%03d \"$REPOSE\" $go 2>err",
+                "test -e d/unfinished/snapshot || grep -q '^+' d/.repose || { rm -rf d; go='run s.cfg "
+                "--every 70 -o d --dump xyz --snapshot 100'; }; timeout -s %s %d.%03d \"$REPOSE\" $go 2>err",
                 k % 2 ? "KILL" : "TERM", ms / 1000, ms % 1000);
             if (++attempts == 40) break;
         }
@@ -440,11 +439,10 @@ static void changed_tables(void)
                                        "sed -i s/model/nodel/ d/unfinished/walls.tsv"};
     write_scene();
     for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
-        const int end = shell_line(
-            "rm -rf d; "
-            "\"$REPOSE\" run s.cfg --every 70 --snapshot 1000 --set steps=30000 -o d 2>err & until test -s "
-            "d/unfinished/snapshot; do sleep 0.01; done; %s; wait $!",
-            list[k]);
+        const int end =
+            shell_line("rm -rf d; \"$REPOSE\" run s.cfg --every 70 --snapshot 1000 --set steps=30000 -o d "
+                       "2>err & until test -s d/unfinished/snapshot; do sleep 0.01; done; %s; wait $!",
+                       list[k]);
         CU_ASSERT(end == 74);
         CHECK_PARTS(err, strrchr(list[k], '/') + 1);
         CU_ASSERT(shell("ls d/*.tsv 2>ls") != 0);
@@ -458,17 +456,15 @@ static void refused_resumes(void)
     SHELL("cp -r d good");
     static const struct {
         const char *change, *text;
-    } list[] = {
-        {"rm -r d/unfinished", "d: no unfinished run"},
-        {"rm d/unfinished/snapshot", "d/unfinished/snapshot: cannot read: No such file"},
-        {"printf x | dd of=d/unfinished/snapshot bs=1 seek=3000 conv=notrunc 2>dd",
-         "damaged: its checksum is wrong"},
-        {"truncate -s 3000 d/unfinished/snapshot", "truncated: "},
-        {"rm d/unfinished/energy.tsv", "d/unfinished/energy.tsv: cannot open: No such file"},
-        {"truncate -s 300 d/unfinished/energy.tsv", "energy.tsv: shorter than at the snapshot"},
-        {"sed -i s/model/nodel/ d/unfinished/states.tsv",
-         "d/unfinished/states.tsv: not the table that the snapshot was written with"},
-    };
+    } list[] = {{"rm -r d/unfinished", "d: no unfinished run"},
+                {"rm d/unfinished/snapshot", "d/unfinished/snapshot: cannot read: No such file"},
+                {"printf x | dd of=d/unfinished/snapshot bs=1 seek=3000 conv=notrunc 2>dd",
+                 "damaged: its checksum is wrong"},
+                {"truncate -s 3000 d/unfinished/snapshot", "truncated: "},
+                {"rm d/unfinished/energy.tsv", "d/unfinished/energy.tsv: cannot open: No such file"},
+                {"truncate -s 300 d/unfinished/energy.tsv", "energy.tsv: shorter than at the snapshot"},
+                {"sed -i s/model/nodel/ d/unfinished/states.tsv",
+                 "d/unfinished/states.tsv: not the table that the snapshot was written with"}};
     for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
         CU_ASSERT(shell_line("rm -rf d && cp -r good d && %s", list[k].change) == 0);
         FAILS(65, list[k].text, "run --resume d");
@@ -639,8 +635,7 @@ static double time_of(const char *line)
     return rp_clock() - begin;
 }
 
-/* Of fault_watch: what is done with the files of a folder, f: a file is synced, r: renamed, d: the folder is
- * synced. */
+/* Of fault_watch: what is done with the files of a folder, f: a file synced, r: renamed, d: folder synced. */
 static char done[16];
 
 static void note_done(const char *call, int file, const char *from, const char *to)

@@ -338,8 +338,7 @@ static void test_shared_piles(void)
 {
     made_by(1, "replicas = 3; seed = 77; grid = { x = [0.125, 2.385]; };");
     const char *own = digest(6);
-    write_sweep("replicas = 3; seed = 77; piles = \"shared\";"
-                "grid = { x = [0.125, 2.385]; };");
+    write_sweep("replicas = 3; seed = 77; piles = \"shared\";grid = { x = [0.125, 2.385]; };");
     CHECK_OK(prepare());
     CU_ASSERT(c.planned == 6 && c.stored == 0);
     CHECK_OK(run(2));
@@ -410,8 +409,7 @@ static void test_growing(void)
         {"replicas = 5; grid = { x = [7.5, 2.385, 0.125, 1.5]; k = [3, 4]; };", 40, 20, "3"},
         {"replicas = 5; grid = { k = [4, 3]; x = [7.5, 2.385, 0.125, 1.5]; };", 40, 40, "3"},
         {"replicas = 5; grid = ({ k = [4, 3]; x = [1.5, 2.385]; }, { odd = [false, true]; });", 20, 10, "3"},
-        {"replicas = 2; fixed = { k = 3; }; grid = { x = [0.125, 2.385]; };", 4, 4, NULL},
-    };
+        {"replicas = 2; fixed = { k = 3; }; grid = { x = [0.125, 2.385]; };", 4, 4, NULL}};
     fresh("");
     double first = NAN;
     for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
@@ -432,8 +430,7 @@ static void test_growing(void)
 /* Student's t for 3 degrees of freedom at 97.5 %: 3.182446305284263 (tables). */
 static void test_reduce(void)
 {
-    made_by(2, "replicas = 8; piles = \"shared\";"
-               "grid = { mode = [\"half_no_pile\"]; x = [1.25, 2.75]; };");
+    made_by(2, "replicas = 8; piles = \"shared\";grid = { mode = [\"half_no_pile\"]; x = [1.25, 2.75]; };");
     sql("DELETE FROM runs WHERE run = 14"); /* one result of the second point is missing */
     scoped_table t = exported(SWEEP_POINTS);
     CU_ASSERT_FATAL(t.n_rows == 2);

@@ -950,8 +950,7 @@ static void test_systems_of_sweeps(void)
     SHELL("[ -e r/phases.tsv ] && [ ! -e r/scene.cfg ]"); /* the text is in other units */
     GOOD("stress base r/pile --width 0.02");
     CHECK_PARTS(out, "\n# g: 9.81 m/s^2\n", "\n# diameter: 0.002 m\n", "\n# units: 1\tN/m\tN/m\t");
-    GOOD("params repose --units si");
-    CU_ASSERT(strstr(out, "N/m^1.5    real   10000 ") != NULL);
+    PRINTS("N/m^1.5    real   10000 ", "params repose --units si");
     /* the g of SI among values in cgs */
     static const char warning[] = "g = 9.81 among values in cm, g and s; give units = \"si\", or g = 981";
     write_text("s.cfg",

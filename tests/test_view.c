@@ -414,8 +414,7 @@ static void test_frames(void)
     CHECK_PAIRS(1e-3, {top[0], 0.5}, {top[1], 0.46}, {top[2], 0.41});
     /* the end of a phase has a frame beside those of an interval, also of a text without a measure */
     SHELL("sed 's/steps = 100;/phases = ( { name = \"one\"; steps = 30; }, { name = \"two\"; steps = 70; } "
-          ");/' "
-          "s.cfg >p.cfg && $REPOSE run p.cfg --every 50 -o p >out 2>err");
+          ");/' s.cfg >p.cfg && $REPOSE run p.cfg --every 50 -o p >out 2>err");
     GOOD("view p -o a.svg --frame one");
     SHELL("grep -q 'step 30, ' a.svg");
 }

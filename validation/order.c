@@ -32,19 +32,17 @@ static const double R = 0.1, M = 0.00419, V_N = 30.0, V_S = 20.0;
 /* First order also without damping: a shear spring still loaded at the end of contact is a jump, and so is a
  * spring that grows by whole steps from the first one, unless slip resets it. The energy error of the scheme
  * does not contain either error of the dissipative forces: it has the order of a kink. */
-static const law laws[] = {
-    {"hertz_elastic", DEM_HERTZ, 0.0, true, 0.0, 0.0, 0.0, {2.5, 2.0, 2.5}},
-    {"hertz_pulls", DEM_HERTZ, 1500.0, true, 0.0, 0.0, 0.0, {1.0, 1.0, 2.0}},
-    {"hertz_clipped", DEM_HERTZ, 1500.0, false, 0.0, 0.0, 0.0, {1.0, 1.0, 2.0}},
-    {"hertz_sticks", DEM_HERTZ, 0.0, true, 1e4, 0.0, INFINITY, {1.0, 1.0, 1.0}},
-    {"hertz_slips", DEM_HERTZ, 0.0, true, 1e4, 0.0, 0.2, {2.0, 2.0, 2.5}},
-    {"linear_elastic", DEM_LINEAR, 0.0, true, 0.0, 0.0, 0.0, {2.0, 2.0, 2.0}},
-    {"linear_pulls", DEM_LINEAR, 1500.0, true, 0.0, 0.0, 0.0, {1.0, 1.0, 2.0}},
-    {"linear_clipped", DEM_LINEAR, 1500.0, false, 0.0, 0.0, 0.0, {1.0, 1.0, 2.0}},
-    {"linear_sticks", DEM_LINEAR, 0.0, true, 1e4, 0.0, INFINITY, {1.0, 1.0, 1.0}},
-    {"linear_slips", DEM_LINEAR, 0.0, true, 1e4, 0.0, 0.2, {1.0, 1.0, 2.0}},
-    {"paper", DEM_HERTZ, 500.0, true, 1e4, 5.0, 0.2, {1.0, 1.0, 2.0}},
-};
+static const law laws[] = {{"hertz_elastic", DEM_HERTZ, 0.0, true, 0.0, 0.0, 0.0, {2.5, 2.0, 2.5}},
+                           {"hertz_pulls", DEM_HERTZ, 1500.0, true, 0.0, 0.0, 0.0, {1.0, 1.0, 2.0}},
+                           {"hertz_clipped", DEM_HERTZ, 1500.0, false, 0.0, 0.0, 0.0, {1.0, 1.0, 2.0}},
+                           {"hertz_sticks", DEM_HERTZ, 0.0, true, 1e4, 0.0, INFINITY, {1.0, 1.0, 1.0}},
+                           {"hertz_slips", DEM_HERTZ, 0.0, true, 1e4, 0.0, 0.2, {2.0, 2.0, 2.5}},
+                           {"linear_elastic", DEM_LINEAR, 0.0, true, 0.0, 0.0, 0.0, {2.0, 2.0, 2.0}},
+                           {"linear_pulls", DEM_LINEAR, 1500.0, true, 0.0, 0.0, 0.0, {1.0, 1.0, 2.0}},
+                           {"linear_clipped", DEM_LINEAR, 1500.0, false, 0.0, 0.0, 0.0, {1.0, 1.0, 2.0}},
+                           {"linear_sticks", DEM_LINEAR, 0.0, true, 1e4, 0.0, INFINITY, {1.0, 1.0, 1.0}},
+                           {"linear_slips", DEM_LINEAR, 0.0, true, 1e4, 0.0, 0.2, {1.0, 1.0, 2.0}},
+                           {"paper", DEM_HERTZ, 500.0, true, 1e4, 5.0, 0.2, {1.0, 1.0, 2.0}}};
 enum { N_LAWS = sizeof laws / sizeof *laws };
 
 static double stiffness(const law *p)

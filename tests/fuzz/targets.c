@@ -328,8 +328,7 @@ static bool is_small(const char *line)
     return strncmp(line, "pile", 4) != 0 || (base && strtol(base + strlen("--base\n"), NULL, 10) < 20);
 }
 
-/* Long runs, processes and files elsewhere are left out: commands that work for long, numbers of three
- * digits. */
+/* Long runs, processes and files elsewhere are left out: commands that work long, numbers of three digits. */
 static bool is_harmless(const char *line)
 {
     int digits = 0;
