@@ -1,4 +1,5 @@
-/* Shared by the test files. A suite is one function and one line in the list. */
+/* Shared by the test files, which name no more the headers that stand here. A suite is one function and one
+ * line in the list. */
 #ifndef CHECK_H
 #define CHECK_H
 
@@ -6,6 +7,8 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "core/status.h"
 
@@ -152,6 +155,14 @@ void check_all_near(const char *file, int line, const char *rows, double toleran
         if (!right_) fprintf(stderr, __VA_ARGS__), fputc('\n', stderr);                                      \
         CU_ASSERT(right_);                                                                                   \
     } while (0)
+
+/* A text of this name: what the statement writes to the stream `to`. */
+#define CHECK_WRITTEN(text, to, statement)                                                                   \
+    scoped char *text = NULL;                                                                                \
+    size_t text##_size;                                                                                      \
+    FILE *to = open_memstream(&text, &text##_size);                                                          \
+    statement;                                                                                               \
+    fclose(to)
 
 /* A text, in one of sixteen buffers, which take turns. */
 const char *check_text(const char *format, ...) __attribute__((format(printf, 1, 2)));

@@ -4,7 +4,6 @@
 #include <ftw.h>
 #include <glob.h>
 #include <stdarg.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #include "tests/check.h"
@@ -60,7 +59,7 @@ void *file_read(const char *path, size_t *n)
 
 void file_lines(const char *pattern, file_line *take)
 {
-    glob_t found;
+    RP_ENDS(globfree) glob_t found;
     scoped char *line = NULL;
     size_t size = 0;
     CU_ASSERT_FATAL(glob(pattern, 0, NULL, &found) == 0);
@@ -70,7 +69,6 @@ void file_lines(const char *pattern, file_line *take)
         for (int number = 1; getline(&line, &size, in) > 0; number++) take(found.gl_pathv[i], number, line);
         fclose(in);
     }
-    globfree(&found);
 }
 
 void file_write(const char *path, const void *bytes, size_t n)

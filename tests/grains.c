@@ -3,8 +3,6 @@
 
 #include <stdarg.h>
 #include <stddef.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "core/arena.h"
 #include "dem/state/state.h"
@@ -127,9 +125,8 @@ dem_definition grains_too_soft(bool floor)
 
 void grains_break_alike(dem_sim *a, dem_sim *b)
 {
-    char text[256];
     CU_ASSERT(dem_run(a, 100000) == RP_BROKEN);
-    snprintf(text, sizeof text, "%s", rp_message());
+    const char *text = check_text("%s", rp_message());
     CHECK_FAILS(dem_run(b, 100000), RP_BROKEN, text);
     CU_ASSERT(dem_step(a) == dem_step(b) && dem_sim_fault(a) == dem_sim_fault(b));
 }
@@ -172,14 +169,13 @@ dem_sim *grains_after_text(long steps, const char *format, ...)
 
 dem_sim *grains_kept(dem_sim *sim)
 {
-    rp_snapshot s = {0};
+    RP_ENDS(rp_snapshot_free) rp_snapshot s = {0};
     dem_sim *copy = sim;
     dem_keep(&s, &copy);
     CHECK_OK(s.status);
     s.reading = true, s.path = "memory";
     dem_keep(&s, &copy);
     CHECK_OK(rp_snapshot_end(&s));
-    rp_snapshot_free(&s);
     CU_ASSERT_PTR_NOT_NULL_FATAL(copy);
     return copy;
 }
@@ -251,7 +247,7 @@ double grains_energy(const dem_sim *sim)
 size_t grains_wrong_pairs(const dem_sim *sim)
 {
     const dem_grains *g = &sim->grains;
-    unsigned char *listed = calloc(g->n, g->n);
+    scoped unsigned char *listed = calloc(g->n, g->n);
     size_t wrong = 0;
     CU_ASSERT_PTR_NOT_NULL_FATAL(listed);
     for (size_t k = 0; k < sim->pairs.n; k++) {
@@ -265,7 +261,6 @@ size_t grains_wrong_pairs(const dem_sim *sim)
             const bool near = dem_dot(d, d) < reach * reach && g->inverse_mass[i] + g->inverse_mass[j] > 0.0;
             wrong += listed[i * g->n + j] != near;
         }
-    free(listed);
     return wrong;
 }
 
@@ -273,14 +268,14 @@ bool grains_same_bits(const dem_sim *a, const dem_sim *b)
 {
     const size_t n = dem_count(a), from = offsetof(dem_state, x), to = offsetof(dem_state, contacts);
     if (n != dem_count(b)) return false;
-    dem_state *s = calloc(2 * n + 1, sizeof *s), *t = s + n;
+    scoped dem_state *s = calloc(2 * n + 1, sizeof *s);
+    dem_state *t = s + n;
     dem_states(a, s);
     dem_states(b, t);
     bool same = true;
     for (size_t i = 0; i < n; i++) /* all but the padding */
         same &= s[i].id == t[i].id && s[i].contacts == t[i].contacts && s[i].fixed == t[i].fixed &&
                 memcmp((const char *)&s[i] + from, (const char *)&t[i] + from, to - from) == 0;
-    free(s);
     return same;
 }
 
@@ -322,10 +317,6 @@ void grains_refused(const char *text, const rp_texts *changes, const char *messa
 
 void grains_reread(const dem_scene *written, dem_scene *scene)
 {
-    scoped char *text = NULL;
-    size_t size;
-    FILE *out = open_memstream(&text, &size);
-    dem_scene_write(written, out);
-    fclose(out);
+    CHECK_WRITTEN(text, out, dem_scene_write(written, out));
     CHECK_OK(grains_read(text, NULL, scene));
 }

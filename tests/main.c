@@ -8,13 +8,10 @@
  *
  * Hence no test needs another one before it, and a crash is the failure of one test. Tests that sum up their
  * suite are the exception: their suite is one process. */
-#include <CUnit/Basic.h>
 #include <errno.h>
 #include <getopt.h>
 #include <gsl/gsl_errno.h>
 #include <signal.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>

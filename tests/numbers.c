@@ -1,6 +1,5 @@
 /* Random streams and texts, and least squares by GSL; see numbers.h. */
 #include <gsl/gsl_multifit.h>
-#include <string.h>
 
 #include "core/random.h"
 #include "tests/check.h"

@@ -2,15 +2,11 @@
 #include "tests/program.h"
 
 #include <limits.h>
-#include <math.h>
 #include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "tests/check.h"
 #include "tests/folder.h"
 
 static char folder[FOLDER_PATH], program[PATH_MAX], beside[PATH_MAX];
@@ -313,10 +309,8 @@ void checked_end(checked *c)
 
 bool equal_tables(const char *name_a, const char *name_b)
 {
-    rp_table a = read_table(name_a), b = read_table(name_b);
+    scoped_table a = read_table(name_a), b = read_table(name_b);
     bool equal = a.n_rows > 0 && a.n_rows == b.n_rows && a.n_columns == b.n_columns;
     for (size_t i = 0; equal && i < a.n_rows * a.n_columns; i++) equal = strcmp(a.cells[i], b.cells[i]) == 0;
-    rp_table_free(&a);
-    rp_table_free(&b);
     return equal;
 }

@@ -3,10 +3,6 @@
 #ifndef PROGRAM_H
 #define PROGRAM_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdio.h>
-
 #include "table/table.h"
 #include "tests/check.h"
 

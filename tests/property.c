@@ -2,10 +2,6 @@
 #include "tests/numbers.h"
 #include "tests/property.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "tests/check.h"
 
 static bool fails(const property *p, const double x[])

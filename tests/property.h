@@ -14,8 +14,7 @@ typedef struct {
     bool whole;
 } property_input;
 
-/* Deviation of the inputs x from the property, in units of the tolerance: the property holds up to 1; NaN
- * fails. */
+/* Deviation of the inputs x from the property, in units of the tolerance: it holds up to 1; NaN fails. */
 typedef double property_excess(const double x[]);
 
 typedef struct {

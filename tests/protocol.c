@@ -1,12 +1,7 @@
 #include "tests/protocol.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "dem/scene/scene.h"
 #include "sweeps/engine/experiment.h"
-#include "tests/check.h"
 #include "tests/program.h"
 
 const sweep_protocol *protocol_of(const sweep_protocol *protocol)
@@ -58,14 +53,7 @@ void protocol_trace(const sweep_protocol *protocol, const void *params, long eve
 
 void protocol_box(double W, double H, long run, const double steps[2], dem_sim **sim)
 {
-    dem_fill fill = {.N = lround(W * H / 0.04),
-                     .W = W,
-                     .H = 2.0 * H,
-                     .radius_mean = 0.1,
-                     .radius_width = 0.02,
-                     .radius_min = 0.07,
-                     .radius_max = 0.13,
-                     .density = 1.0};
+    dem_fill fill = {lround(W * H / 0.04), W, 2.0 * H, 0.1, 0.02, 0.07, 0.13, 1.0};
     dem_scene scene = {
         .def = dem_definition_default(), .n_fills = 1, .fills = &fill, .seed = 1993, .run = run};
     dem_physics physics = dem_physics_default();

@@ -1,7 +1,7 @@
 /* Analytic force models: lattice, continuum, polygonal profiles, each against a second method. */
 #include <float.h>
 #include <gsl/gsl_integration.h>
-#include <stdlib.h>
+#include <gsl/gsl_sort.h>
 
 #include "analytic/analytic.h"
 #include "tests/check.h"
@@ -78,25 +78,19 @@ static an_profile tent_of(double outer_deg, double inner_deg, double x1, an_poin
 static void triangle_printed_values(void)
 {
     CHECK_NEAR(triangle(45, M_PI / 6, 1).N, 23, 0);
-    CHECK_NEAR(triangle(45, M_PI / 6, 1).H, -44 / (2 * sqrt(3)),
-               44 * ROUND); /* (44): H < 0 at the left toe */
+    CHECK_NEAR(triangle(45, M_PI / 6, 1).H, -44 / (2 * sqrt(3)), 44 * ROUND); /* (44): < 0 at the left toe */
     CHECK_NEAR(triangle(45, M_PI / 6, 23).H, 0, 0);
     CHECK_NEAR(triangle(238, 0.8135, 200).N, 119.5, 0); /* (43) */
     CHECK_NEAR(triangle(238, 0.8135, 200).H, tan(0.8135) * 80.5, 81 * ROUND);
     CHECK_NEAR(triangle(AN_LAYERS_MAX, M_PI / 3, AN_LAYERS_MAX).H, sqrt(3) * 999999 / 2, 1e6 * ROUND);
 }
 
-/* Forces grow to k by k additions. */
-static double recursion_tol(long k)
-{
-    return (double)k * (double)k * DBL_EPSILON;
-}
-
 static void compare_outline(long k, const long up[], double theta, an_force counts[], an_force recursion[])
 {
+    const double additions = (double)k * (double)k * DBL_EPSILON; /* forces grow to k by k of them */
     CHECK_OK(an_lattice_counts(k, up, theta, counts));
     CHECK_OK(an_lattice_recursion(k, up, theta, recursion));
-    for (long i = 0; i < k; i++) NEAR_FORCE(recursion[i], counts[i], recursion_tol(k));
+    for (long i = 0; i < k; i++) NEAR_FORCE(recursion[i], counts[i], additions);
 }
 
 static void triangle_three_ways(void)
@@ -449,12 +443,6 @@ static void profile_chords_end_on_outline(void)
     CHECK_NEAR(y, 0.155, ROUND);
 }
 
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* N sums to the weight, 2/sqrt 3 of the area in these units, and H to 0. Both are linear between the
  * positions whose rays end on a vertex. */
 static void profile_weight(void)
@@ -467,7 +455,7 @@ static void profile_weight(void)
         kinks[2 * i] = RANGE[i].x - RANGE[i].y / sqrt(3);
         kinks[2 * i + 1] = RANGE[i].x + RANGE[i].y / sqrt(3);
     }
-    qsort(kinks, 2 * N_RANGE, sizeof *kinks, ascending);
+    gsl_sort(kinks, 1, 2 * N_RANGE);
     gsl_integration_workspace *w = gsl_integration_workspace_alloc(100);
     gsl_function f = {profile_N, &p}, g = {profile_H, &p};
     CU_ASSERT_EQUAL(gsl_integration_qagp(&f, kinks, 2 * N_RANGE, INTEGRAL_TOL, 0, 100, w, &N, &error), 0);
@@ -544,8 +532,7 @@ static void tent_dip(void)
     CHECK_NEAR(tent_at(45, 30, 0.5), flattened, ROUND);
 }
 
-/* The largest N is at least that of a scan, at the same position: for tents of all kinds, and for outlines in
- * any unit. */
+/* The largest N is at least a scan's, at the same position: tents of all kinds, outlines in any unit. */
 static void largest_force(void)
 {
     static const double tents[][3] = {

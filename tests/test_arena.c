@@ -1,7 +1,5 @@
 /* Memory of one command: what is kept is freed once, the latest first; texts and paths; failures. */
 #include <limits.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "core/arena.h"
 #include "tests/check.h"
@@ -34,17 +32,16 @@ static void order(void)
 
 static void zeroed(void)
 {
-    rp_arena arena = {0};
+    RP_SCOPE(arena);
     for (size_t n = 0; n < 100; n++) {
         const double *x = rp_arena_memory(&arena, n, sizeof *x);
         for (size_t i = 0; i <= n; i++) CU_ASSERT(x[i] == 0.0);
     }
-    rp_arena_release(&arena, NULL);
 }
 
 static void paths(void)
 {
-    rp_arena arena = {0};
+    RP_SCOPE(arena);
     const char *path = NULL, *other = NULL;
     char name[PATH_MAX];
     CHECK_OK(rp_path(&arena, &path, "%s/%s_%d.tsv", "build/a folder", "lh3", 7));
@@ -58,19 +55,17 @@ static void paths(void)
     name[PATH_MAX - 3] = '\0';
     CHECK_OK(rp_path(&arena, &path, "%s.t", name));
     CU_ASSERT(strlen(path) == PATH_MAX - 1 && strcmp(path + PATH_MAX - 3, ".t") == 0);
-    rp_arena_release(&arena, NULL);
 }
 
 static void texts(void)
 {
-    rp_arena arena = {0};
+    RP_SCOPE(arena);
     char name[2 * PATH_MAX];
     memset(name, 'x', sizeof name);
     name[sizeof name - 1] = '\0';
     CU_ASSERT_STRING_EQUAL(rp_text(&arena, "%s of %d", "3", 7), "3 of 7");
     CU_ASSERT_STRING_EQUAL(rp_text(&arena, "%s", ""), "");
     CU_ASSERT_STRING_EQUAL(rp_text(&arena, "%s", name), name); /* longer than any path */
-    rp_arena_release(&arena, NULL);
 }
 
 static int n_exhausted;

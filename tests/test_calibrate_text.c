@@ -1,9 +1,4 @@
 /* repose calibrate FILE: a planted friction is found by runs; tables of other programs; what is refused. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "check.h"
 #include "numbers.h"
 #include "program.h"
 

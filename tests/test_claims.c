@@ -2,18 +2,12 @@
 #include <ctype.h>
 #include <glob.h>
 #include <gsl/gsl_cdf.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "table/table.h"
 #include "report/claims.h"
 #include "sweeps/engine/private.h"
 #include "sweeps/protocols/protocols.h"
-#include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/program.h"
 
@@ -172,8 +166,8 @@ static void test_few(void)
 {
     CHECK_NEAR(report_of_few(number(3.0, 1.0), 2).se, 12.706204736 / 2.0, 1e-8);
     CHECK_NEAR(report_of_few(number(3.0, 1.0), 21).se, 2.0859634473 / 2.0, 1e-8);
-    CHECK_NEAR(report_of_few(number(3.0, 1.0), NAN).se, 1.0, 0.0);
-    CHECK_NEAR(report_of_few(number(3.0, 1.0), 1).se, 1.0, 0.0);
+    CHECK_ALL_NEAR(0.0, {report_of_few(number(3.0, 1.0), NAN).se, 1.0},
+                   {report_of_few(number(3.0, 1.0), 1).se, 1.0});
     CHECK_NEAR(report_deviation_error(3.0, 19), 0.5, 1e-15);
     CU_ASSERT(isnan(report_deviation_error(3.0, 1)) && isnan(report_deviation_error(3.0, NAN)));
     const stats_number q = report_quotient(number(6.0, 0.3), number(2.0, 0.2)); /* 5 % and 10 % */
@@ -230,14 +224,14 @@ static bool file_holds(const char *path, const char *text)
 /* "SUITE: TEST" names a test of that suite, by a row of its list, or by a function. */
 static bool test_exists(const char *answer)
 {
-    char path[256], name[128], plain[160], prefixed[160];
+    char name[128];
     const char *colon = strchr(answer, ':');
     if (!colon) return false;
-    snprintf(path, sizeof path, "tests/test_%.*s.c", (int)(colon - answer), answer);
+    const char *path = check_text("tests/test_%.*s.c", (int)(colon - answer), answer);
     snprintf(name, sizeof name, "%s(void)", colon + 2);
     for (char *c = name; *c; c++) *c = *c == ' ' ? '_' : *c;
-    snprintf(plain, sizeof plain, "static void %s", name);
-    snprintf(prefixed, sizeof prefixed, "static void test_%s", name);
+    const char *plain = check_text("static void %s", name);
+    const char *prefixed = check_text("static void test_%s", name);
     return file_holds(path, plain) || file_holds(path, prefixed);
 }
 
@@ -262,7 +256,7 @@ static void test_claims_file(void)
 /* How many of the files that match the pattern hold the text; the first of them is named on failure. */
 static size_t files_with(const char *pattern, const char *text, bool wanted)
 {
-    glob_t found;
+    RP_ENDS(globfree) glob_t found;
     size_t n = 0;
     CU_ASSERT_FATAL(glob(pattern, 0, NULL, &found) == 0);
     for (size_t i = 0; i < found.gl_pathc; i++) {
@@ -270,7 +264,6 @@ static size_t files_with(const char *pattern, const char *text, bool wanted)
         if (holds && !wanted) fprintf(stderr, "%s: \"%s\"\n", found.gl_pathv[i], text);
         n += holds;
     }
-    globfree(&found);
     return n;
 }
 
@@ -465,7 +458,7 @@ static void test_page(void)
 static void open_cell(char *cell_text, sweep_plan *plan, size_t *point)
 {
     char path[256], text[64], *save;
-    sweep_recipe recipe;
+    RP_ENDS(sweep_recipe_free) sweep_recipe recipe;
     char *table = strtok_r(cell_text, " ", &save), *key;
     table[strcspn(table, "/")] = '\0';
     snprintf(path, sizeof path, "sweeps/lh/%s.cfg", table);
@@ -473,7 +466,6 @@ static void open_cell(char *cell_text, sweep_plan *plan, size_t *point)
     CHECK_OK(sweep_recipe_read(path, &recipe));
     CHECK_OK(sweep_plan_read(path, sweep_protocols, plan));
     CHECK_OK(sweep_plan_replicate(plan, recipe.study));
-    sweep_recipe_free(&recipe);
     bool fits[64];
     CU_ASSERT_FATAL(plan->n_points <= 64);
     for (size_t k = 0; k < plan->n_points; k++) fits[k] = true;

@@ -2,16 +2,10 @@
  * time, in another way, from grains and contacts, from planted rows, or from a shorter run. */
 #include <complex.h>
 #include <malloc.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "core/clock.h"
-#include "dem/scene/scene.h"
 #include "stats/stats.h"
 #include "stress/stress.h"
-#include "sweeps/protocols/protocols.h"
-#include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/grains.h"
 #include "tests/numbers.h"
@@ -24,8 +18,7 @@ static const double tight = 1e-11;
 
 /* ---- a pile: its grains and contacts as tables ---- */
 
-/* The force on the first of two bodies, from the normal force and the shear force along the normal turned
- * clockwise. */
+/* Force on the first of two bodies, from the normal force and the shear along the normal turned clockwise. */
 typedef struct {
     double fx, fy, lx, ly;
     bool floor;
@@ -239,8 +232,7 @@ static void test_stress(void)
     const double width = 2.0, mu = 0.4;
     write_text("s.cfg", "protocol = \"stress\"; replicas = 1; seed = 1993;\n"
                         "fixed = { W = 2.0; H = 2.0; mu = 0.4; };\n");
-    GOOD("run s.cfg -o d");
-    scoped_checked o = checked_read("out");
+    scoped_checked o = CHECKED_RUN(1, "run s.cfg -o d");
     check_response(&o, mu, width);
     CHECK_NEAR(at(&o, 0, "theta_r3_deg"), slope_of("d/pile_grains.tsv", width), tight);
     CHECK_NEAR(at(&o, 0, "tilts"), TILTS, 0.0);
@@ -379,13 +371,12 @@ static void test_bench(void)
     for (int i = 0; i < 3; i++) grains[i].m = 4.0 / 3.0 * M_PI * 1e-3;
     dem_definition def = grains_of(3, grains);
     bench_walls(&def, 0.41);
-    dem_counts before, after;
     const double heap_before = heap();
     scoped_sim *sim = grains_after(&def, 2000);
     const double held = heap() - heap_before;
-    dem_count_work(sim, &before);
+    const dem_counts before = grains_counts(sim);
     CHECK_OK(dem_run(sim, STEPS));
-    dem_count_work(sim, &after);
+    const dem_counts after = grains_counts(sim);
     CHECK_EACH(at(&c, 0, NAME), 0.0, {"grains", 3.0}, {"steps", STEPS});
     CHECK_EACH(at(&c, 0, NAME), 1e-15, {"contacts", (double)after.contacts / 3.0},
                {"pairs", (double)after.pairs / 3.0});
@@ -458,7 +449,6 @@ static void test_bench_fill(void)
         GOOD("bench --n %d --width %g --steps %d --repeat 1 --floor absorbs %s -o grains.tsv", N, width,
              STEPS, list[k].options);
         scoped_table t = read_table("out"), start = read_table("grains.tsv");
-        dem_counts before, after;
         dem_state states[N];
         scoped_sim *sim = bench_sim(&list[k], N, width, &start);
         CHECK_OK(dem_states(sim, states));
@@ -472,9 +462,9 @@ static void test_bench_fill(void)
             if (list[k].size_ratio > 0.0)
                 CHECK_NEAR(cell(&start, i, "r") * (least * (1.0 - share) + most * share), 1.0, 1e-14);
         }
-        dem_count_work(sim, &before);
+        const dem_counts before = grains_counts(sim);
         CHECK_OK(dem_run(sim, STEPS));
-        dem_count_work(sim, &after);
+        const dem_counts after = grains_counts(sim);
         const double left = (double)dem_count(sim);
         CHECK_EACH(cell(&t, 0, NAME), 1e-14, {"contacts", (double)after.contacts / left},
                    {"pairs", (double)after.pairs / left});
@@ -558,14 +548,13 @@ static void test_bench_sample(void)
     for (int k = check_fast(); k < 2; k++) {
         GOOD("bench --n %d --width %g --repeat 2 --state sample -o grains.tsv", numbers[k], widths[k]);
         scoped_table t = read_table("out"), end = read_table("grains.tsv");
-        dem_counts counts;
         dem_state states[120];
         scoped_sim *sim = bench_sim(&box, numbers[k], widths[k], NULL);
         CHECK_OK(dem_run(sim, 30000));
         dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
         CHECK_OK(dem_run(sim, 50000));
         CHECK_OK(dem_states(sim, states));
-        dem_count_work(sim, &counts);
+        const dem_counts counts = grains_counts(sim);
         const size_t left = dem_count(sim);
         CU_ASSERT_EQUAL_FATAL(end.n_rows, left);
         for (size_t i = 0; i < left; i++)
@@ -812,8 +801,7 @@ static void test_rough(void)
                "protocol = \"drop\"; replicas = 1; seed = 1993;\n"
                "fixed = { N = %d; glued = 1.3; x_limit = %.1f; };\n",
                DROPPED, limit);
-    GOOD("run s.cfg -o d");
-    checked o = checked_read("out");
+    checked o = CHECKED_RUN(1, "run s.cfg -o d");
     scoped_table grains = read_table("d/pile_grains.tsv"), contacts = read_table("d/pile_contacts.tsv");
     double glued = 0.0, carried = 0.0, contact_number = 0.0, height = 0.0, right = -INFINITY;
     for (size_t i = 0; i < grains.n_rows; i++) {
@@ -877,8 +865,7 @@ static void test_drop(void)
                "protocol = \"drop\"; replicas = 1; seed = 1993;\n"
                "fixed = { N = %d; radius_width = 0.05; mu_roll = 0.03; x_limit = %.1f; };\n",
                DROPPED, limit);
-    GOOD("run s.cfg -o d");
-    scoped_checked o = checked_read("out"), drops = checked_read("d/series_moved_max.tsv");
+    scoped_checked o = CHECKED_RUN(1, "run s.cfg -o d"), drops = checked_read("d/series_moved_max.tsv");
     scoped_table grains = read_table("d/pile_grains.tsv"), contacts = read_table("d/pile_contacts.tsv");
     bool away[DROPPED], packed[DROPPED];
     double disks = 0.0, height = 0.0, touching = 0.0, most = 0.0, large = 0.0;

@@ -1,9 +1,8 @@
 /* Core: parameter schema, parameter files, random streams, tables. */
 #include <fcntl.h>
 #include <gsl/gsl_cdf.h>
+#include <gsl/gsl_sort.h>
 #include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -243,8 +242,7 @@ static void whole_numbers(void)
         {"@include \"/no/such.cfg\"\n", ":1: @include: a file must be whole in itself"},
         {"n = 5;\n  @include  \"more.cfg\"\n", ":2: @include: a file must be whole in itself"},
         {"text = \"\n@include\"; /*\n@include \"more.cfg\" */", ":1: text: a text on one line, without tabs"},
-        {"text = \" ~\xc2\x80\xdf\xbf\xe0\xa0\x80\xef\xbf\xbf\xf0\x90\x80\x80\xf4\x8f\xbf\xbf\";", NULL},
-    };
+        {"text = \" ~\xc2\x80\xdf\xbf\xe0\xa0\x80\xef\xbf\xbf\xf0\x90\x80\x80\xf4\x8f\xbf\xbf\";", NULL}};
     static const char *const broken[] = {"\x1f",    "\x7f",     "\x80",         "\xc1\x80",
                                          "\xdf",    "\xe0\xa0", "\xf0\x90\x80", "\xf5\x80\x80\x80",
                                          "\xc2\xc2"};
@@ -316,12 +314,6 @@ static void random_streams(void)
 }
 
 /* Kolmogorov's distance of 40 000 deviates from the truncated normal is below the 1e-4 quantile. */
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static void cut_normal(void)
 {
     enum { N = 40000 };
@@ -332,7 +324,7 @@ static void cut_normal(void)
         const double m = cases[c][0], w = cases[c][1], lo = cases[c][2], hi = cases[c][3];
         scoped_rng *r = numbers_of(7, (unsigned long)c);
         for (int i = 0; i < N; i++) v[i] = rp_random_cut_normal(r, m, w, lo, hi);
-        qsort(v, N, sizeof *v, ascending);
+        gsl_sort(v, 1, N);
         CU_ASSERT(v[0] >= lo && v[N - 1] <= hi);
         double low = gsl_cdf_ugaussian_P((lo - m) / w), all = gsl_cdf_ugaussian_P((hi - m) / w) - low,
                most = 0.0;
@@ -383,18 +375,16 @@ static rp_status read_as(const char *text, rp_table *t)
 /* Header with or without #, tabs, blanks or commas, a byte order mark, lines that end with CR: one table. */
 static void table_forms(void)
 {
-    static const char *const same[] = {
-        "# note: a b\n# units: cm\t1\nx\ty\n1\t2\n3\tnan\n",
-        "# units: cm\t1\n# x\ty\n1\t2\n3\tnan\n",
-        "# x y\n1 2\n3 nan\n",
-        "# x, y\n1 2\n3 nan\n",
-        "#x,y\n1,2\n3,nan\n",
-        "x\ty\n1\t2\n# units: cm\t1\nx\ty\n3\tnan\n",
-        "x,y\r\n1,2\r\n3,nan\r\n",
-        "\xEF\xBB\xBFx, y\n1, 2\n3, nan\n",
-        "\xEF\xBB\xBF# x\ty\n1\t2\n3\tnan\n# unfinished: x y\n",
-        "\n  x  y\n\n1 2\n# between\n3 nan\n",
-    };
+    static const char *const same[] = {"# note: a b\n# units: cm\t1\nx\ty\n1\t2\n3\tnan\n",
+                                       "# units: cm\t1\n# x\ty\n1\t2\n3\tnan\n",
+                                       "# x y\n1 2\n3 nan\n",
+                                       "# x, y\n1 2\n3 nan\n",
+                                       "#x,y\n1,2\n3,nan\n",
+                                       "x\ty\n1\t2\n# units: cm\t1\nx\ty\n3\tnan\n",
+                                       "x,y\r\n1,2\r\n3,nan\r\n",
+                                       "\xEF\xBB\xBFx, y\n1, 2\n3, nan\n",
+                                       "\xEF\xBB\xBF# x\ty\n1\t2\n3\tnan\n# unfinished: x y\n",
+                                       "\n  x  y\n\n1 2\n# between\n3 nan\n"};
     RP_ENDS(rp_table_free) rp_table t = {0};
     int column;
     for (int texts = 0; texts < 2; texts++)
@@ -564,7 +554,7 @@ static void tables(void)
     rp_table_row(out, 2, (double[]){0.1, -1.0 / 3.0});
     rp_table_row(out, 2, (double[]){2.0, -NAN});
     CHECK_OK(rp_file_close(path, out, RP_OK));
-    rp_table t;
+    RP_ENDS(rp_table_free) rp_table t, still, cut, gone;
     double v;
     CHECK_OK(rp_table_read(path, &t));
     CU_ASSERT(t.n_rows == 2 && t.n_columns == 2 && rp_table_column(&t, "y") == 1);
@@ -574,14 +564,12 @@ static void tables(void)
     CHECK_OK(rp_table_number(&t, 1, 1, 1, &v));
     CU_ASSERT(isnan(v));
     CHECK_FAILS(rp_table_number(&t, 1, 1, 0, &v), RP_BAD_INPUT, "column 2 y: \"nan\" is not a finite number");
-    rp_table_free(&t);
     /* a failed table leaves the old file unchanged */
     CHECK_OK(rp_file_open(path, &out));
     fputs("half", out);
     CU_ASSERT_EQUAL(rp_file_close(path, out, RP_NO_RESULT), RP_NO_RESULT);
-    CHECK_OK(rp_table_read(path, &t));
-    CU_ASSERT_EQUAL(t.n_rows, 2);
-    rp_table_free(&t);
+    CHECK_OK(rp_table_read(path, &still));
+    CU_ASSERT_EQUAL(still.n_rows, 2);
     /* a link is not followed */
     const char *link = folder_path(folder, "a.link");
     CU_ASSERT_FATAL(symlink(path, link) == 0);
@@ -599,11 +587,9 @@ static void tables(void)
     CU_ASSERT(stat(link, &info) == 0 && S_ISFIFO(info.st_mode));
     close(reader);
     file_print(path, "1 2\n3\n");
-    CHECK_FAILS(rp_table_read(path, &t), RP_BAD_INPUT, ":2: 1 cells where 2 are expected");
-    rp_table_free(&t);
+    CHECK_FAILS(rp_table_read(path, &cut), RP_BAD_INPUT, ":2: 1 cells where 2 are expected");
     unlink(path);
-    CHECK_FAILS(rp_table_read(path, &t), RP_BAD_INPUT, "cannot read");
-    rp_table_free(&t);
+    CHECK_FAILS(rp_table_read(path, &gone), RP_BAD_INPUT, "cannot read");
     CHECK_FAILS(rp_file_open("/no/such/folder/x", &out), RP_IO, "cannot write");
     CHECK_FAILS(rp_make_directory("/dev/null/x"), RP_IO, "/dev/null");
     out = fopen("/dev/full", "w");
@@ -644,19 +630,16 @@ static void hostile_tables(void)
 {
     enum { N = 1000000 };
     const char *path = folder_path(folder, "table.tsv");
-    char *text;
-    rp_table t;
+    scoped char *text = NULL;
+    RP_ENDS(rp_table_free) rp_table t, zero;
     FILE *out = fopen(path, "w");
     for (int i = 0; i < N; i++) fputs("1 ", out);
     for (int i = 0; i < N; i++) fputs("\n1", out);
     fclose(out);
     CHECK_FAILS(rp_table_read(path, &t), RP_BAD_INPUT, ":2: 1 cells where 1000000 are expected");
-    rp_table_free(&t);
     CHECK_OK(rp_file_read(path, &text));
     CU_ASSERT(strlen(text) == 4 * N);
-    free(text);
-    CHECK_FAILS(rp_table_read("/dev/zero", &t), RP_BAD_INPUT, "/dev/zero: no text: holds a 0 byte");
-    rp_table_free(&t);
+    CHECK_FAILS(rp_table_read("/dev/zero", &zero), RP_BAD_INPUT, "/dev/zero: no text: holds a 0 byte");
 }
 
 static void statuses(void)

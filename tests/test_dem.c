@@ -1,11 +1,8 @@
 /* The simulator: symmetries, conservation, the neighbour list, kernels, faults, bad input. */
 #include <float.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "dem/setup/definition.h"
 #include "dem/state/method.h"
-#include "dem/scene/scene.h"
 #include "dem/methods/methods.h"
 #include "tests/check.h"
 #include "tests/grains.h"
@@ -125,13 +122,10 @@ static void mirror_and_relabel_of(bool rotation)
     int contacts = 0;
     for (int i = 0; i < 80; i++) {
         contacts += s[i].contacts;
-        CHECK_ALL_NEAR(1e-9, {m[i].x, 2.4 - s[i].x}, {m[i].y, s[i].y});
-        CHECK_NEAR(m[i].vx, -s[i].vx, 1e-6);
-        CHECK_NEAR(m[i].omega, -s[i].omega, 1e-5);
+        CHECK_ALL_NEAR(1e-9, {m[i].x, 2.4 - s[i].x}, {m[i].y, s[i].y}, {r[79 - i].x, s[i].x});
+        CHECK_ALL_NEAR(1e-6, {m[i].vx, -s[i].vx}, {r[79 - i].vy, s[i].vy});
+        CHECK_ALL_NEAR(1e-5, {m[i].omega, -s[i].omega}, {r[79 - i].omega, s[i].omega});
         CHECK_NEAR(m[i].angle, -s[i].angle, 1e-8);
-        CHECK_NEAR(r[79 - i].x, s[i].x, 1e-9);
-        CHECK_NEAR(r[79 - i].vy, s[i].vy, 1e-6);
-        CHECK_NEAR(r[79 - i].omega, s[i].omega, 1e-5);
     }
     CU_ASSERT(contacts > 40);
 }
@@ -139,7 +133,7 @@ static void mirror_and_relabel_of(bool rotation)
 EITHER(mirror_and_relabel)
 
 /* Removal of grains from a continued list equals a rebuild, except for the order of sums. */
-static void leaving_of(bool rotation)
+static void leave_of(bool rotation)
 {
     dem_definition def = box_of(100, 2.2, 3, rotation, NULL);
     def.x_max = 2.3;
@@ -148,23 +142,23 @@ static void leaving_of(bool rotation)
     CHECK_OK(dem_run(sim, 1000));
     CHECK_OK(dem_clone(sim, &rebuilt));
     const size_t before = dem_count(sim);
-    dem_counts start, end, each;
-    dem_count_work(sim, &start);
+    const long start = grains_counts(sim).rebuilds;
     for (int k = 0; k < 400; k++) {
         CHECK_OK(dem_run(sim, 1));
         CHECK_OK(dem_run(rebuilt, 1));
         CHECK_OK(dem_neighbours_rebuild(rebuilt));
         if (k % 100 == 99) CU_ASSERT(distance(sim, rebuilt) < 1e-9);
         CU_ASSERT_EQUAL(dem_count(sim), dem_count(rebuilt));
-        dem_count_work(sim, &end);
-        dem_count_work(rebuilt, &each);
-        CU_ASSERT(end.contacts == each.contacts);
+        CU_ASSERT(grains_counts(sim).contacts == grains_counts(rebuilt).contacts);
     }
-    CU_ASSERT(dem_count(sim) + 5 <= before && dem_count(sim) > 50 && end.rebuilds - start.rebuilds < 40);
+    CU_ASSERT(dem_count(sim) + 5 <= before && dem_count(sim) > 50);
+    CU_ASSERT(grains_counts(sim).rebuilds - start < 40);
 }
 
+EITHER(leave)
+
 /* Grains moved to the indices of removed ones keep their wall contacts and margins. */
-static void leaving_below_others(void)
+static void leave_below_others(void)
 {
     const double r = 0.1, m = 0.0042, sinks = 1e-4;
     dem_grain grains[5] = {{0.9, 0.6, r, m, 0.0, -300.0},
@@ -186,13 +180,6 @@ static void leaving_below_others(void)
     CU_ASSERT(s[1].y - s[0].y > 1.9 * r && s[1].y < 1.0 + 3.3 * r && fabs(s[2].y - grains[4].y) < 1e-3);
 }
 
-static void grains_leave_the_list(void)
-{
-    leaving_of(false);
-    leaving_of(true);
-    leaving_below_others();
-}
-
 /* Work is counted in grains present at each step, by every integrator; one of three leaves on the way. */
 static void work_is_counted(void)
 {
@@ -207,13 +194,12 @@ static void work_is_counted(void)
             def.tension = false, def.tangential = DEM_NONE, def.material.mu = 0.0;
         if (way == 3) def.hard = (dem_hard){.on = true, .restitution = 0.5}, def.tension = false;
         scoped_sim *sim = grains_start(&def);
-        dem_counts counts;
         size_t steps = 0;
         for (int k = 0; k < 50; k++) {
             steps += dem_count(sim);
             CHECK_OK(dem_run(sim, 1));
         }
-        dem_count_work(sim, &counts);
+        const dem_counts counts = grains_counts(sim);
         CU_ASSERT(dem_count(sim) == 2 && counts.grain_steps == (double)steps);
         CU_ASSERT(counts.collisions == 0 && counts.contacts == 0);
     }
@@ -263,7 +249,7 @@ static bool same_wall_forces(const dem_sim *a, const dem_sim *b)
 }
 
 /* Integration right behind the pair loop against integration after all forces. */
-static void avalanche_in_chunks(bool rotation)
+static void integration_behind_the_pair_loop_of(bool rotation)
 {
     enum { N = 400, PARTS = 4 };
     const long part = check_fast() ? 700 : 2500;
@@ -294,11 +280,7 @@ static void avalanche_in_chunks(bool rotation)
     for (int k = 0; k <= PARTS; k++) dem_free(reference[k]);
 }
 
-static void integration_behind_the_pair_loop(void)
-{
-    avalanche_in_chunks(false);
-    avalanche_in_chunks(true);
-}
+EITHER(integration_behind_the_pair_loop)
 
 /* Number of steps with a grain beyond its Verlet margin, or with a bound of its group above what remains. */
 static long beyond_margins(dem_sim *sim, int steps)
@@ -438,18 +420,14 @@ static void floor_that_ends(void)
     put_wall(&def, 0.0, 0.0, 0.0, 1.0);
     def.walls[0].extent[1] = 1.0, def.y_min = -0.4;
     scoped_sim *sim = grains_start(&def);
-    dem_energy e0, e;
     dem_state s;
-    dem_energies(sim, &e0);
+    const double start = grains_energy(sim);
     double lowest = 1.0, most = 0.0;
-    long step = 0;
-    for (; step < 40000 && dem_count(sim) == 1; step++) {
+    for (long step = 0; step < 40000 && dem_count(sim) == 1; step++) {
         CHECK_OK(dem_run(sim, 1));
         if (dem_count(sim) == 0) break;
-        dem_states(sim, &s);
-        dem_energies(sim, &e);
-        if (s.y < lowest) lowest = s.y;
-        most = fmax(most, fabs(e.kinetic + e.elastic + e.gravity - e0.kinetic - e0.elastic - e0.gravity));
+        lowest = fmin(lowest, grains_state_of_one(sim).y);
+        most = fmax(most, fabs(grains_energy(sim) - start));
     }
     CU_ASSERT(dem_count(sim) == 0); /* dropped below y_min */
     CU_ASSERT(lowest < -0.3);
@@ -470,15 +448,13 @@ static void corner_without_rebuild(void)
     put_wall(&def, 0.0, 0.0, 0.0, 1.0);
     def.walls[0].extent[1] = 1.0;
     scoped_sim *sim = grains_start(&def);
-    dem_counts counts;
     dem_state s;
     CHECK_OK(dem_run(sim, 60)); /* now beyond the corner */
     grain = (dem_grain){1.15, 0.12, 0.1, 0.0042, 0.0, -150.0};
     def.gravity[0] = -40000.0; /* round the corner and back under the floor */
     grains_again(&sim, &def, 0);
     grains_run(sim, 90, &s);
-    dem_count_work(sim, &counts);
-    CU_ASSERT(counts.rebuilds == 1 && s.x < 1.0 && s.y < -0.1);
+    CU_ASSERT(grains_counts(sim).rebuilds == 1 && s.x < 1.0 && s.y < -0.1);
 }
 
 /* A shear spring ends with its contact: a grain that bounces between a heavy grain and a ceiling, sliding
@@ -486,15 +462,14 @@ static void corner_without_rebuild(void)
 static void springs_end_of(bool rolling)
 {
     dem_grain grains[2] = {{0.0, 0.25, 0.1, 0.0042, 0.1, -20.0}, {0.0, -9.0, 9.0, 1e12, 0.0, 0.0}};
-    dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0, def.material.gamma_n = 1e-9, def.material.gamma_s = 0.0;
+    dem_definition def = grains_afloat(2, grains);
+    def.material.gamma_n = 1e-9, def.material.gamma_s = 0.0;
     def.material.mu = 10.0; /* it never slips */
     if (rolling) {          /* rotation without translation; too soft to reverse it */
         def.rotation = true, def.material.mu = def.material.gamma_roll = 0.0;
         def.material.mu_roll = 10.0, def.material.k_roll = 1e-3;
         grains[0].omega = 1.0;
     }
-    def.grains = grains, def.n_grains = 2;
     put_wall(&def, 0.0, 0.5, 0.0, -1.0);
     scoped_sim *sim = grains_start(&def);
     int touches = 0;
@@ -598,9 +573,8 @@ static void lifted_wall_drags(void)
     def.gravity[0] = 981.0;
     put_wall(&def, 1.0, 0.0, -1.0, 0.0);
     def.walls[0].extent[0] = 0.0, def.walls[0].open_at_step = 0, def.walls[0].open_speed = 2.0;
-    scoped_sim *sim = grains_start(&def);
-    dem_state s;
-    grains_run(sim, 2000, &s);
+    scoped_sim *sim = grains_after(&def, 2000);
+    const dem_state s = grains_state_of_one(sim);
     CU_ASSERT(s.vy > 0.5 && s.y > 0.51);
     /* opened again it goes on from where it is, and what is gone stays gone */
     const double end = dem_wall_now(sim, 0).ends[0];
@@ -847,8 +821,8 @@ static void faults(void)
         CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_OVERLAP);
     }
 
-    def = dem_definition_default();
-    def.grains = grains, def.n_grains = 1, def.gravity[1] = -1e9;
+    def = grains_of(1, grains);
+    def.gravity[1] = -1e9;
     grains_again(&sim, &def, 0);
     CHECK_FAILS(dem_run(sim, 100000), RP_BROKEN, "too_fast at step");
     def.gravity[1] = -1e308, def.dt = 1e100, def.material.k_n = def.material.k_s = 1e-300;
@@ -917,7 +891,7 @@ static void bad_definitions(void)
     dem_grain grains[2] = {{0.0, 0.5, 0.1, 0.004, 0.0, 0.0}, {0.0, 0.9, 0.1, 0.004, 0.0, 0.0}};
     const dem_grain good = grains[0];
     dem_definition def = grains_of(2, grains), bad;
-    dem_sim *sim;
+    scoped_sim *sim = NULL;
     put_wall(&def, 0.0, 0.0, 0.0, 1.0);
 #define REFUSES(change, text)                                                                                \
     do {                                                                                                     \
@@ -965,7 +939,6 @@ static void bad_definitions(void)
     CU_ASSERT(dem_wall_now(sim, 77).direction[1] == 0.0 && !dem_wall_now(sim, 0).open);
     bad = def, bad.n_walls = 0;
     CHECK_FAILS(dem_change(&sim, &bad), RP_BAD_INPUT, "0 walls: there are 1");
-    dem_free(sim);
 }
 
 /* What a definition is before anything is given, and a box. */
@@ -1213,17 +1186,14 @@ static void contacts_of_the_start(void)
     enum { ROW = 8, N = ROW * ROW + 4 };
     dem_grain grains[N] = {
         {.x = 0.5, .y = 0.095}, {.x = 0.75, .y = 0.095}, {.x = 3.0, .y = 1.095}, {.x = 3.5, .y = 0.905}};
-    dem_definition def = dem_definition_default();
+    dem_definition def = grains_afloat(N, grains);
     for (int i = 0; i < N; i++) {
         if (i >= 4) grains[i].x = 5.0 + 0.195 * (i / ROW), grains[i].y = 5.0 + 0.195 * (i % ROW);
         grains[i].r = 0.1, grains[i].m = 0.004;
         grains[i].vx = 9.0 * sin(7.0 * i + 1.0), grains[i].omega = 80.0 * cos(5.0 * i);
     }
-    def.gravity[1] = 0.0, def.rotation = true;
+    def.rotation = true, def.dt = 1e-5, def.n_walls = 3;
     def.material.mu = def.material.mu_roll = 100.0; /* nothing slides */
-    def.dt = 1e-5;
-    def.grains = grains, def.n_grains = N;
-    def.n_walls = 3;
     def.walls[0] = grains_line(-1.0, 0.0, 1.0, 0.0, &def.material);
     def.walls[1] = grains_line(0.3, 0.0, 0.0, 1.0, &def.material);
     def.walls[2] = grains_line(2.5, 1.0, 0.0, 1.0, &def.material);
@@ -1452,16 +1422,15 @@ static void limit_in_any_direction(void)
     double upright = NAN;
     for (int k = 0; k < 5; k++) {
         const double turn = 0.37 * k, c = cos(turn), s = sin(turn), left = 0.7 * k, down = -1.3 * k;
-        dem_definition def = dem_definition_default();
         dem_grain grains[2] = {{.x = 0.3, .y = 1.7, .r = 0.1, .m = 0.004},
                                {.x = 0.6, .y = 0.4, .r = 0.1, .m = 0.004}};
+        dem_definition def = grains_of(2, grains);
         for (int i = 0; i < 2; i++) {
             const double x = grains[i].x, y = grains[i].y;
             grains[i].x = c * x - s * y + left;
             grains[i].y = s * x + c * y + down;
         }
-        def.gravity[0] = 981.0 * s, def.gravity[1] = -981.0 * c, def.grains = grains;
-        def.n_grains = 2, def.n_walls = 2;
+        def.gravity[0] = 981.0 * s, def.gravity[1] = -981.0 * c, def.n_walls = 2;
         def.walls[0] = line(left, down, -s, c, &def.material);
         /* nearly along, through a point far below the floor */
         def.walls[1] = line(left + 9.0 * s, down - 9.0 * c, c - 1e-9 * s, s + 1e-9 * c, &def.material);
@@ -1480,16 +1449,16 @@ static void overlap_of_the_start(void)
 {
     const double d = 0.01, m[3] = {0.004, 0.009, 0.03};
     for (int k = 0; k < 6; k++) {
-        dem_definition def = dem_definition_default();
         dem_grain grains[3] = {{.x = 0.5, .y = 0.5, .r = 0.1, .m = m[0]},
                                {.x = 0.7 - d, .y = 0.5, .r = 0.1, .m = m[1]},
                                {.x = 2.0, .y = 0.5, .r = 0.1, .m = m[2]}};
+        dem_definition def = grains_afloat(3, grains);
         if (k == 1) grains[0].m = m[1], grains[1].m = m[0];
         if (k == 2 || k == 3) grains[k - 2].fixed = true;
         if (k == 4) grains[1].x = 1.2;
         if (k == 5) grains[1].r = 0.3, grains[1].x = 0.9 - d; /* has up to pi/asin(1/4) neighbours, not 6 */
-        def.gravity[1] = 0.0, def.material.gamma_n = def.material.mu = 0.0;
-        def.tangential = DEM_NONE, def.grains = grains, def.n_grains = 3;
+        def.material.gamma_n = def.material.mu = 0.0;
+        def.tangential = DEM_NONE;
         def.n_walls = k == 4;
         def.walls[0] = grains_line(0.4 + d, 0.0, 1.0, 0.0, &def.material);
         const double k_n = def.material.k_n,
@@ -1566,11 +1535,7 @@ static void header_notes(void)
                                  {.x = 2.5, .y = 0.5, .r = 0.08, .m = 0.002}};
     dem_definition def = grains_afloat(3, grains);
     scoped_sim *sim = grains_start(&def);
-    char *text = NULL;
-    size_t size;
-    FILE *out = open_memstream(&text, &size);
-    dem_write_notes(sim, out);
-    fclose(out);
+    CHECK_WRITTEN(text, out, dem_write_notes(sim, out));
     const double m_eff = 0.5 * 0.015 / 3.0, r = 0.31 / 3.0;
     dem_collision_result c;
     CHECK_OK(dem_collision(
@@ -1585,7 +1550,6 @@ static void header_notes(void)
         check_text("at 60 cm/s: restitution %.3f, overlap %.3g d, dt/contact time %.3g", c.restitution,
                    c.overlap / (2.0 * r), def.dt / c.time)};
     for (size_t k = 0; k < 4; k++) CU_ASSERT_PTR_NOT_NULL(strstr(text, expected[k]));
-    free(text);
 }
 
 /* State near rest against the given velocities: in the frame of a rotating box, for the grains inside,
@@ -1613,9 +1577,8 @@ static void state_near_rest(void)
     CHECK_NEAR(rest.kinetic_energy, 0.5 * 0.004 * chord * chord + 0.5 * inertia * spin * spin, 1e-10);
     /* one on a floor that carries half of its weight, and one in free fall */
     dem_grain two[2] = {{.x = 0.5, .r = 0.1, .m = 0.004}, {.x = 0.5, .y = 1.0, .r = 0.1, .m = 0.004}};
-    def = dem_definition_default();
+    def = grains_of(2, two);
     two[0].y = 0.1 - pow(0.5 * 0.004 * 981.0 / (2.0 * def.material.k_n), 2.0 / 3.0);
-    def.grains = two, def.n_grains = 2;
     put_wall(&def, 0.0, 0.0, 0.0, 1.0);
     grains_again(&sim, &def, 0);
     CHECK_OK(dem_rest_state(sim, 0.0, 1.0, &rest));
@@ -1696,7 +1659,7 @@ static void arrays_follow_grains(void)
     }
 }
 
-CHECK_SUITE(dem, "dem", momentum, mirror_and_relabel, grains_leave_the_list, work_is_counted,
+CHECK_SUITE(dem, "dem", momentum, mirror_and_relabel, leave, leave_below_others, work_is_counted,
             arrays_follow_grains, extra_rebuilds, integration_behind_the_pair_loop, margins, gravity_turns,
             floor_that_ends, corner_without_rebuild, springs_end, rolling_couple, contacts_add_up,
             lifted_wall, lifted_wall_drags, outlet, filling, added_far_away, added_one_by_one,

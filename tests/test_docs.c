@@ -8,11 +8,8 @@
  *   <!-- test: COMMANDS -->        before a block that takes long, or changes the machine: these run in its
  * place */
 #include <ctype.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
-#include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/program.h"
 

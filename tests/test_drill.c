@@ -6,8 +6,6 @@
 #include <errno.h>
 #include <signal.h>
 #include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>
@@ -17,7 +15,6 @@
 
 #include "core/clock.h"
 #include "table/table.h"
-#include "sweeps/engine/sweep.h"
 #include "tests/check.h"
 #include "tests/faults.h"
 #include "tests/folder.h"
@@ -131,14 +128,13 @@ static void check_whole(void)
     CHECK_OK(sweep_digest(dir, protocols, digest, &n));
     CU_ASSERT(n == RUNS);
     CU_ASSERT_STRING_EQUAL(digest, undisturbed);
-    rp_table t;
+    RP_ENDS(rp_table_free) rp_table t;
     CHECK_OK(rp_table_parse("runs", protocol_export(dir, protocols, SWEEP_RUNS), &t));
     CU_ASSERT(t.n_rows == RUNS);
     const int column = rp_table_column(&t, "run");
     CU_ASSERT_FATAL(column >= 0);
     for (size_t i = 0; i < t.n_rows; i++)
         CU_ASSERT(strtoul(t.cells[i * t.n_columns + (size_t)column], NULL, 10) == i);
-    rp_table_free(&t);
 }
 
 /* Plan and run what is left. */
@@ -188,11 +184,9 @@ static unsigned draw(unsigned n)
 /* A child of the driver, or 0. */
 static pid_t find_worker(pid_t driver)
 {
-    char path[64];
     pid_t found[16];
     unsigned n = 0;
-    snprintf(path, sizeof path, "/proc/%d/task/%d/children", (int)driver, (int)driver);
-    FILE *in = fopen(path, "r");
+    FILE *in = fopen(check_text("/proc/%d/task/%d/children", (int)driver, (int)driver), "r");
     while (in && n < 16 && fscanf(in, "%d", &found[n]) == 1) n++;
     if (in) fclose(in);
     return n ? found[draw(n)] : 0;

@@ -1,11 +1,9 @@
 /* Dropped piles: initial contacts of a simulation, protocol `drop`, and the dip. */
 #include <float.h>
-#include <string.h>
 
 #include "stress/stress.h"
 #include "core/random.h"
 #include "dem/list/list.h"
-#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/numbers.h"
 #include "tests/protocol.h"
@@ -23,14 +21,10 @@ static dem_definition disks(bool spring, size_t n, const dem_grain *grains)
     def.shape = DEM_DISK;
     def.damping = DEM_DAMPING_INSIDE;
     def.tangential = spring ? DEM_SPRING : DEM_SLIP_ROLL;
-    def.material = (dem_material){.k_n = 1000.0,
-                                  .gamma_n = 18.0,
-                                  .k_s = 500.0,
-                                  .gamma_s = 9.0,
-                                  .mu = 0.5,
-                                  .mu_roll = 0.1,
-                                  .k_roll = 500.0,
-                                  .gamma_roll = 9.0};
+    def.material = (dem_material){.k_n = 1000.0, .gamma_n = 18.0, .k_s = 500.0, .gamma_s = 9.0, .mu = 0.5};
+    def.material.mu_roll = 0.1;
+    def.material.k_roll = 500.0;
+    def.material.gamma_roll = 9.0;
     def.hard = (dem_hard){true, 0.5, 0.5};
     def.n_walls = 1;
     def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
@@ -381,9 +375,7 @@ static void dropped(int kernel, dem_state last[DROPPED])
     }
     memset(last, 0, DROPPED * sizeof *last);
     grains_run(sim, 600, last);
-    dem_counts counts;
-    dem_count_work(sim, &counts);
-    CU_ASSERT(counts.collisions > 5 * DROPPED);
+    CU_ASSERT(grains_counts(sim).collisions > 5 * DROPPED);
 }
 
 /* The reference searches all pairs for collisions, the others only pairs without contact. */
@@ -461,9 +453,7 @@ static void lists_are_complete(void)
             check_list(sim);
         }
     }
-    dem_counts counts;
-    dem_count_work(sim, &counts);
-    CU_ASSERT(counts.rebuilds < 3 * DROPPED);
+    CU_ASSERT(grains_counts(sim).rebuilds < 3 * DROPPED);
 }
 
 /* True if the contacts and springs are equal, in any order. */

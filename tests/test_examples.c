@@ -1,13 +1,9 @@
 /* Scenes of `examples`: one number of each against a known answer, as the scene's first lines state it. The
  * tests run from the repository's root. Under the sanitizers long ones only start; with --full, the hopper
  * has more outlets. */
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "angle/angle.h"
-#include "dem/scene/scene.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/program.h"
 

@@ -1,11 +1,7 @@
 /* Experiments: observables and measures against closed forms, what is refused, and that cuts, snapshots and
  * sweeps change no bit. */
 #include <inttypes.h>
-#include <math.h>
-#include <string.h>
 
-#include "check.h"
-#include "program.h"
 #include "trial.h"
 
 /* Two grains fall from rest beside each other, then lie on a floor that is a wall with a name. */
@@ -72,13 +68,11 @@ static void test_rest_by_gravity(void)
     } scales[] = {{1024.0, 1e-4, 1e5, 100.0}, {0.25, 64.0 * 1e-4, 1e5 / 4096.0, 100.0 / 64.0}};
     long steps[2];
     for (int k = 0; k < 2; k++) {
-        scoped_trial t;
-        char text[2048];
-        snprintf(text, sizeof text,
-                 "gravity = (0.0, -%.17g); dt = %.17g; normal = { law = `linear`; k_n = %.17g; gamma_n = "
-                 "%.17g; };\n%s",
-                 scales[k].gravity, scales[k].dt, scales[k].k_n, scales[k].gamma_n, column);
-        run_whole(&t, text, 1000, "ok");
+        const char *text = check_text(
+            "gravity = (0.0, -%.17g); dt = %.17g; normal = { law = `linear`; k_n = %.17g; gamma_n = "
+            "%.17g; };\n%s",
+            scales[k].gravity, scales[k].dt, scales[k].k_n, scales[k].gamma_n, column);
+        RUN_TRIAL(t, text, 1000, "ok");
         steps[k] = exp_steps(t.run);
     }
     CU_ASSERT(steps[0] > 6000 && steps[0] == steps[1]);
@@ -91,8 +85,7 @@ static void test_looks_at_rest(void)
         "dt = 1.0e-4; rest = { energy = 1e9; force = 1e9; looks = 3; every = 500; };\n"
         "particles = ( { x = 1.0; y = 1.0; r = 0.1; } );\n"
         "phases = ( { name = `before`; steps = 70; }, { name = `wait`; every = 100; until = `rest`; } );\n";
-    scoped_trial t;
-    run_whole(&t, text, 1000, "ok");
+    RUN_TRIAL(t, text, 1000, "ok");
     CU_ASSERT(exp_steps(t.run) == 70 + 100 + 2 * 500);
 }
 
@@ -103,8 +96,7 @@ static void test_phases(void)
         "dt = 1.0e-4; let = { turns = true; rate = 0.01; };\n"
         "walls = ( { name = `floor`; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
         "tangential = { law = `spring`; mu = 1.0; }; particles = ( { x = 1.0; y = 0.1; r = 0.1; m = 0.01; }, "
-        "{ x = "
-        "9.0; y = 5.2; r = 0.1; m = 0.01; } );\n"
+        "{ x = 9.0; y = 5.2; r = 0.1; m = 0.01; } );\n"
         "result = `ok_turned`;\n"
         "phases = ( { name = `never`; if = `not turns`; steps = 100; },\n"
         "  { name = `steps`; repeat = 6; until = `tilt_deg > 4.5`; phases = (\n"
@@ -444,9 +436,7 @@ static uint64_t digest_of(const trial *t)
 
 static void test_started_at(void)
 {
-    scoped_trial whole;
-    start(&whole, three_phases);
-    finish(&whole, 1000000);
+    RUN_TRIAL(whole, three_phases, 1000000, "ok");
     CU_ASSERT(measured(&whole, "n") == 61.0);
     for (size_t phase = 1; phase < 3; phase++) {
         scoped_trial first, rest;
@@ -501,16 +491,14 @@ static void test_resumed(void)
           "--every 700 --ledger >a.out 2>/dev/null");
     static const char *const delays[] = {"0.02", "0.05", "0.1", "0.2"};
     for (size_t k = 0; k < 4; k++) {
-        CU_ASSERT(
-            shell_line(
-                "cd b && rm -rf o && timeout --foreground -s KILL %s $REPOSE run h.cfg -o o --snapshot 300 "
-                "--every 700 --ledger >/dev/null 2>&1; resume() { $REPOSE run h.cfg --resume o >/dev/null "
-                "2>&1 || "
-                "exit 9; }; [ ! -e o/unfinished/snapshot ] || resume; "
-                /* timeout waits for the one it has killed, which holds the lock until then; a kill while the
-                   result takes its place leaves the rest of that to the next command */
-                "[ ! -e o/states.tsv ] || diff -r ../a/o o >/dev/null || { resume; diff -r ../a/o o; }",
-                delays[k]) == 0);
+        CU_ASSERT(shell_line(
+                      "cd b && rm -rf o && timeout --foreground -s KILL %s $REPOSE run h.cfg -o o --snapshot "
+                      "300 --every 700 --ledger >/dev/null 2>&1; resume() { $REPOSE run h.cfg --resume o "
+                      ">/dev/null 2>&1 || exit 9; }; [ ! -e o/unfinished/snapshot ] || resume; "
+                      /* timeout waits for the one it has killed, which holds the lock until then; a kill
+                         while the result takes its place leaves the rest of that to the next command */
+                      "[ ! -e o/states.tsv ] || diff -r ../a/o o >/dev/null || { resume; diff -r ../a/o o; }",
+                      delays[k]) == 0);
     }
     SHELL("cd b && rm -rf o && timeout -s INT 0.1 $REPOSE run h.cfg -o o --snapshot 300 >/dev/null "
           "2>err; [ ! -e o/unfinished/snapshot ] || grep -q 'stopped at step .* of f' err");
@@ -546,11 +534,9 @@ static void test_swept(void)
           "sweep digest s)\" = \"$($REPOSE sweep digest p)\" ]");
     /* with other measures the runs are made again; those of before come back with their measures */
     SHELL("cp h.cfg kept.cfg && sed -i 's/name = \"rate\"/name = \"flux\"/' h.cfg && $REPOSE sweep plan "
-          "s.cfg -o s "
-          "| grep -q ' 0 already stored' && $REPOSE sweep make s.cfg -o s --tables flux --quiet && cp "
-          "kept.cfg h.cfg "
-          "&& $REPOSE sweep plan s.cfg -o s | grep -q ' 6 already stored' && $REPOSE sweep make s.cfg -o s "
-          "--quiet");
+          "s.cfg -o s | grep -q ' 0 already stored' && $REPOSE sweep make s.cfg -o s --tables flux --quiet "
+          "&& cp kept.cfg h.cfg && $REPOSE sweep plan s.cfg -o s | grep -q ' 6 already stored' && $REPOSE "
+          "sweep make s.cfg -o s --quiet");
     scoped_table flux = read_table("flux/runs.tsv"), again = read_table("s/tables/runs.tsv");
     CU_ASSERT(cell(&flux, 5, "flux") == cell(&t, 5, "rate") &&
               cell(&again, 5, "rate") == cell(&t, 5, "rate"));
@@ -594,8 +580,7 @@ static void test_shared_ends(void)
         GOOD("sweep run left%d --shard 1/3 -j 1 --quiet", damaged);
         if (damaged)
             SHELL("for f in left1/snapshots/*; do printf x | dd of=$f bs=1 seek=300 conv=notrunc 2>/dev/null "
-                  "|| "
-                  "exit 9; done; ls left1/snapshots | grep -c . >out");
+                  "|| exit 9; done; ls left1/snapshots | grep -c . >out");
         for (int k = 2; k < 4; k++) GOOD("sweep run left%d --shard %d/3 -j 1 --quiet", damaged, k);
         GOOD("sweep merge left%d", damaged);
         GOOD("sweep digest left%d", damaged);
@@ -695,8 +680,7 @@ static void test_sweeps_refused(void)
     write_text("files.cfg", "particles_file = \"p.tsv\"; phases = ( { name = \"a\"; steps = 3; } );\n");
     write_text("p.tsv", "x\ty\tr\n0\t0\t0.1\n");
     SHELL("sed 's/packed/sum/' h.cfg >taken.cfg; sed 's/unused/rate_mean/' h.cfg >mean.cfg; sed "
-          "'s/packed/RATE/' h.cfg >twice.cfg; "
-          "sed 's/unused/seed/' h.cfg >seed.cfg");
+          "'s/packed/RATE/' h.cfg >twice.cfg; sed 's/unused/seed/' h.cfg >seed.cfg");
     write_text("included.cfg", "@include \"h.cfg\"\n");
     CHECK_REFUSED(cases, "s.cfg", "sweep plan s.cfg -o s");
     SHELL("[ ! -e s ]");
@@ -823,8 +807,7 @@ static void test_modules(void)
     }
     snprintf(text + n, sizeof text - n,
              ", { x = -0.5; y = 1.8; r = 0.1; }, { x = 4.7; y = 0.9; r = 0.1; }, { x = 9.0; y = 0.1; r = "
-             "0.1; }, { x = 9.19; y = 0.1; r = "
-             "0.1; } );\n"
+             "0.1; }, { x = 9.19; y = 0.1; r = 0.1; } );\n"
              "phases = ( { name = `look`; steps = 0; } );\n"
              "measure = ( { name = `heap`; of = `flanks`; in = `all`; touching = false; },\n"
              "  { name = `gap`; of = `flanks`; in = `wide`; touching = false; }, { name = `d_`; of = "
@@ -966,9 +949,7 @@ static void test_mean_grain(void)
                           "measure = ( { name = `M`; of = `m`; }, { name = `all`; of = `mass/grains`; } );\n";
     write_text("g.tsv", "x y r m\n0 1 0.1 0.5\n1 1 0.3 0.2\n");
     for (int table = 0; table < 2; table++) {
-        char text[1024];
-        snprintf(text, sizeof text, "%s %s", table ? "particles_file = `g.tsv`;" : listed, rest);
-        RUN_TRIAL(t, text, 100, "ok");
+        RUN_TRIAL(t, check_text("%s %s", table ? "particles_file = `g.tsv`;" : listed, rest), 100, "ok");
         CHECK_NEAR(measured(&t, "M"), measured(&t, "all"), 1e-12);
     }
 }
@@ -1043,8 +1024,7 @@ static void test_refused_more(void)
          "in = \"up\": of profile, a region of x and y expected"},
         {lift, "measure = ( {",
          "regions = { up = { polygon = ( (0.0, 0.0), (1.0, 0.0), (0.0, 1.0) ); }; }; measure = ( { name = "
-         "`s`; "
-         "of = `motion`; in = `up`; }, {",
+         "`s`; of = `motion`; in = `up`; }, {",
          "in = \"up\": of motion, a region of x and y expected"},
         {lift, "of = `y`; at = `lie`", "of = `y`; during = `lie`; take = `avalanches`",
          "avalanches are found by drop, or by event"},

@@ -2,11 +2,8 @@
  * standard library of Debian's Python; by LAMMPS, VTK and pandas where these are installed (`make
  * check-readers` installs them). */
 #include <limits.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "dem/law/laws.h"
-#include "tests/check.h"
 #include "tests/numbers.h"
 #include "tests/program.h"
 
@@ -40,9 +37,8 @@ static void write_scene(void)
                "normal = { k_n = 1.0e5; gamma_n = 300.0; };\ntangential = { law = \"spring\"; mu = 0.3; };\n"
                "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },\n"
                "  { point = [0.1, 0.0]; direction = [0.8, 0.6]; extent = [-2.0, 0.0]; },\n"
-               "  { point = [1.0, 0.0]; direction = [-1.0, 0.0]; extent = [0.05, 9.0]; "
-               "open_at_step = 375; open_speed = "
-               "10.0; } );\n"
+               "  { point = [1.0, 0.0]; direction = [-1.0, 0.0]; extent = [0.05, 9.0]; open_at_step = 375; "
+               "open_speed = 10.0; } );\n"
                "particles = ( { x = 1.17; y = 0.6; r = 0.03; vx = 6.0; }, { x = 0.4; y = 0.09; r = 0.1; "
                "omega = 3.0; },\n"
                "  { x = 0.58; y = 0.12; r = 0.09; vx = 20.0; },\n"
@@ -735,22 +731,14 @@ static void test_refused(void)
 
 /* ---- other programs, where installed; Python */
 
-static void test_lammps(void)
+static void test_readers(void)
 {
+    static const char *const cases[][3] = {{"command -v lmp", "lmp", "lammps"},
+                                           {PYTHON "-c 'import vtkmodules'", "VTK", "vtk"},
+                                           {PYTHON "-c 'import pandas'", "pandas", "pandas"}};
     export_formats();
-    if (has("command -v lmp", "lmp")) CU_ASSERT(readers("lammps"));
-}
-
-static void test_vtk(void)
-{
-    export_formats();
-    if (has(PYTHON "-c 'import vtkmodules'", "VTK")) CU_ASSERT(readers("vtk"));
-}
-
-static void test_pandas(void)
-{
-    export_formats();
-    if (has(PYTHON "-c 'import pandas'", "pandas")) CU_ASSERT(readers("pandas"));
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
+        if (has(cases[k][0], cases[k][1])) CU_ASSERT(readers(cases[k][2]));
 }
 
 /* Random texts as names of columns and units, and as names of files: CSV and JSON have them as they are, the
@@ -837,5 +825,5 @@ static void test_package(void)
 CHECK_SUITE_WITHIN(export, "export", enter, leave, test_formats, test_sources, test_sweep, test_dump,
                    test_empty_frames, test_long_names, test_errors, test_dump_files, test_vtk_files,
                    test_text_files, test_lammps_input, test_spins, test_held, test_input_files,
-                   test_plain_input, test_types, test_laws, test_refused, test_lammps, test_vtk, test_pandas,
-                   test_random_texts, test_package)
+                   test_plain_input, test_types, test_laws, test_refused, test_readers, test_random_texts,
+                   test_package)

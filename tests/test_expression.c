@@ -1,11 +1,6 @@
 /* Expressions of texts: values, types, messages, keys, and random ones against the trees they are of. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "check.h"
 #include "grains.h"
-#include "dem/scene/scene.h"
 #include "params/expression.h"
 
 enum { GRAINS, REST, MOVED, THETA, SPEED };

@@ -2,11 +2,7 @@
  * the columns that tests/figures.txt names. Another column, table, row, factor or shift is another number. */
 #include <ctype.h>
 #include <glob.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
-#include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/program.h"
 
@@ -65,10 +61,9 @@ static void add_names_of(const char *path)
 
 static void each_figure(void (*visit)(const char *path))
 {
-    glob_t found;
+    RP_ENDS(globfree) glob_t found;
     CU_ASSERT_FATAL(glob("figures/*/*.gp", 0, NULL, &found) == 0);
     for (size_t i = 0; i < found.gl_pathc; i++) visit(found.gl_pathv[i]);
-    globfree(&found);
 }
 
 static void collect_names(void)
@@ -190,13 +185,10 @@ static double operand(const fixture *f, size_t row, const char **text)
     if (**text != '{' && **text != 'm') return strtod(*text, (char **)text);
     const char *open = strchr(*text, '{'), *other = strchr(*text, '@');
     if (other && other < open) { /* of another table */
-        char name[64];
-        snprintf(name, sizeof name, "%.*s", (int)(open - other) - 1, other + 1);
-        f = find_fixture(name);
+        f = find_fixture(check_text("%.*s", (int)(open - other) - 1, other + 1));
     }
     const size_t length = strcspn(open, "}");
-    char column[48];
-    snprintf(column, sizeof column, "%.*s", (int)length - 1, open + 1);
+    const char *column = check_text("%.*s", (int)length - 1, open + 1);
     double v = **text == '{' ? value_of(f, column, row) : 0.0;
     for (size_t r = 0; r < f->n_rows && **text != '{'; r++) {
         const double u = value_of(f, column, r);
@@ -281,8 +273,7 @@ static bool check_curve(char *words)
     size_t n;
     for (size_t row = 0; row < f->n_rows; row++) {
         if (where) {
-            char key[48];
-            snprintf(key, sizeof key, "%.*s", (int)strcspn(where, "="), where);
+            const char *key = check_text("%.*s", (int)strcspn(where, "="), where);
             if (!is_among(value_of(f, key, row), strchr(where, '=') + 1)) continue;
         }
         double expected[8];
@@ -465,10 +456,8 @@ static bool legend_is_of_drawn(void)
 static bool is_set_out(const char *figure)
 {
     static char svg[1 << 22], text[1 << 16];
-    char path[256];
     slurp("plain.svg", svg, sizeof svg);
-    snprintf(path, sizeof path, "figures/%s.gp", figure);
-    slurp(path, text, sizeof text);
+    slurp(check_text("figures/%s.gp", figure), text, sizeof text);
     const bool own_height = strstr(text, "ratio = ") || file_holds("set", "set size ratio -1");
     const bool readable = letters_are_readable(svg), alike = panels_are_alike(svg, own_height),
                apart = texts_are_apart(svg), good = legend_is_of_drawn() && readable && alike && apart;
@@ -544,12 +533,11 @@ static void test_drawn(void)
 static void check_described(const char *path)
 {
     size_t n;
-    char figure[160], skip[160];
     scoped char *text = file_read("tests/figures.txt", &n);
     const char *name = path + strlen("figures/");
     const int length = (int)(strrchr(name, '.') - name);
-    snprintf(figure, sizeof figure, "\nfigure %.*s\n", length, name);
-    snprintf(skip, sizeof skip, "\nskip %.*s ", length, name);
+    const char *figure = check_text("\nfigure %.*s\n", length, name);
+    const char *skip = check_text("\nskip %.*s ", length, name);
     const bool described = strstr(text, figure) || strstr(text, skip);
     if (!described) fprintf(stderr, "tests/figures.txt: no figure %s\n", path);
     CU_ASSERT(described);

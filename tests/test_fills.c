@@ -1,11 +1,8 @@
 /* Fills: laws of radii, patterns, several fills in one scene. */
-#include <math.h>
+#include <gsl/gsl_sort.h>
 #include <stddef.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "check.h"
-#include "dem/scene/scene.h"
 #include "grains.h"
 
 /* ---- laws of radii ---- */
@@ -19,12 +16,6 @@ static double density_of(const dem_fill *f, double r)
                                          : exp(-0.5 * l * l / s2) / r;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const double *p = a, *q = b;
-    return (*p > *q) - (*p < *q);
-}
-
 /* Largest distance between the radii's distribution and the law's, times the root of their number; the law's
  * shares are divided by the power of r that a grain has of them. */
 static double kolmogorov(const dem_fill *f, size_t n, const dem_grain *grains, double power)
@@ -32,7 +23,7 @@ static double kolmogorov(const dem_fill *f, size_t n, const dem_grain *grains, d
     enum { POINTS = 20000 };
     double *r = malloc(n * sizeof *r), *sum = malloc((POINTS + 1) * sizeof *sum), most = 0.0;
     for (size_t i = 0; i < n; i++) r[i] = grains[i].r;
-    qsort(r, n, sizeof *r, by_value);
+    gsl_sort(r, 1, n);
     sum[0] = 0.0;
     const double h = (f->radius_max - f->radius_min) / POINTS;
     for (int k = 0; k < POINTS; k++) {
@@ -103,22 +94,20 @@ static void test_table(void)
 static void test_patterns(void)
 {
     dem_fill f = wide;
-    dem_grain *grains;
     size_t n;
     f.N = -1, f.W = 3.0, f.H = 2.0, f.x0 = 1.0, f.y0 = -0.5;
     f.pattern = DEM_PATTERN_ROW;
-    grains = malloc(dem_fill_most(&f) * sizeof *grains);
-    CHECK_OK(dem_fill_grains(&f, grains, &n));
+    scoped dem_grain *row = malloc(dem_fill_most(&f) * sizeof *row);
+    CHECK_OK(dem_fill_grains(&f, row, &n));
     CU_ASSERT(n >= 10 && n <= 25);
     for (size_t i = 0; i < n; i++) {
-        const dem_grain *g = &grains[i];
+        const dem_grain *g = &row[i];
         CHECK_NEAR(g->y - g->r, -0.5, 1e-15);
         if (i > 0) CHECK_NEAR(hypot(g->x - g[-1].x, g->y - g[-1].y), g->r + g[-1].r, 1e-14);
         CU_ASSERT(g->x - g->r >= 1.0 - 1e-15 && g->x + g->r <= 4.0 + 1e-9);
     }
-    free(grains);
     f.pattern = DEM_PATTERN_LATTICE, f.radius_width = 0.0;
-    grains = malloc(dem_fill_most(&f) * sizeof *grains);
+    scoped dem_grain *grains = malloc(dem_fill_most(&f) * sizeof *grains);
     CHECK_OK(dem_fill_grains(&f, grains, &n));
     CU_ASSERT(n == 15 * 6 + 14 * 5); /* rows of 15 and 14 at 0.173 from one another */
     for (size_t i = 1; i < n; i++) CU_ASSERT(grains[i].y + 0.1 <= 1.5 && grains[i].x + 0.1 <= 4.0 + 1e-9);
@@ -133,7 +122,6 @@ static void test_patterns(void)
     }
     f.pattern = DEM_PATTERN_RANDOM, f.N = -1;
     CHECK_FAILS(dem_fill_grains(&f, grains, &n), RP_BAD_INPUT, "N = -1");
-    free(grains);
 }
 
 /* Written and read again, the scene has the same grains. */

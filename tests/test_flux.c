@@ -1,11 +1,8 @@
 /* Protocol `flux`, a text: position and time of each new grain, and outputs of the series. */
 #include <gsl/gsl_cdf.h>
-#include <math.h>
-#include <string.h>
 
 #include "experiment/modules/module.h"
 #include "stats/stats.h"
-#include "tests/check.h"
 #include "tests/numbers.h"
 #include "tests/protocol.h"
 #include "tests/program.h"

@@ -1,7 +1,5 @@
 /* What people keep in and beside the program's folders: no command changes it. */
 #include <gsl/gsl_rng.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/xattr.h>
@@ -9,7 +7,6 @@
 
 #include "core/file.h"
 #include "core/random.h"
-#include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/program.h"
 
@@ -23,9 +20,8 @@
 /* Make `what`, run the command, which is refused with this text, and compare what was made. */
 static void refused(const char *what, const char *command, const char *text)
 {
-    char line[1024];
-    snprintf(line, sizeof line,
-             "rm -rf d side && mkdir d side && echo notes >side/notes && %s && cp -a d side before/", what);
+    const char *line = check_text(
+        "rm -rf d side && mkdir d side && echo notes >side/notes && %s && cp -a d side before/", what);
     CU_ASSERT(shell("rm -rf before; mkdir before") == 0 && shell(line) == 0);
     FAILS(65, text, "%s", command);
     SHELL("diff -r --no-dereference d before/d >out && diff -r side before/side >out");
@@ -176,14 +172,13 @@ static bool is_same(const thing *t)
 /* May a person's thing stand there: in a folder, no link to one, under a name that is not the program's? */
 static bool is_free(const char *path)
 {
-    char folder[160], end[80], *marker = NULL;
+    char folder[160], *marker = NULL;
     const char *name = strrchr(path, '/') + 1;
     struct stat info;
     snprintf(folder, sizeof folder, "%.*s", (int)(name - path) - 1, path);
     if (lstat(path, &info) == 0 || lstat(folder, &info) != 0 || !S_ISDIR(info.st_mode)) return false;
     snprintf(folder, sizeof folder, "%.*s.repose", (int)(name - path), path);
-    snprintf(end, sizeof end, " %s\n", name);
-    const bool is_own = rp_file_read(folder, &marker) == RP_OK && strstr(marker, end);
+    const bool is_own = rp_file_read(folder, &marker) == RP_OK && strstr(marker, check_text(" %s\n", name));
     free(marker);
     return !is_own;
 }

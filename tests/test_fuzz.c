@@ -1,13 +1,10 @@
 /* The corpus of the fuzzer, read again: inputs that reach much of the readers, and that once broke one. */
 #include <dirent.h>
 #include <limits.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "dem/scene/scene.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/fuzz/targets.h"
@@ -125,12 +122,8 @@ static void extreme_scenes(void)
     int n_run = 0, n_bad = 0;
     for (unsigned long i = 0; i < SCENES; i++) {
         char text[8192] = "";
-        scoped char *written = NULL;
-        size_t size;
-        FILE *out = open_memstream(&written, &size);
         scoped_rng *r = numbers_of(18, i);
-        write_extreme(out, r);
-        fclose(out);
+        CHECK_WRITTEN(written, out, write_extreme(out, r));
         scoped_scene scene = {0};
         scoped_sim *sim = NULL;
         rp_status status = grains_read(written, NULL, &scene);

@@ -1,6 +1,4 @@
 /* Hard collisions: conservation, energy, Coulomb's law, over random pairs; the paper's misprints. */
-#include <string.h>
-
 #include "dem/dem.h"
 #include "dem/law/bodies.h"
 #include "tests/check.h"

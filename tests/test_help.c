@@ -2,9 +2,6 @@
  * commands' own words and schemas. */
 #include <jansson.h>
 #include <stdarg.h>
-#include <stddef.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "cli/cli.h"
 #include "params/expression.h"
@@ -15,31 +12,31 @@
 #include "report/pages.h"
 #include "sweeps/engine/experiment.h"
 #include "dem/scene/text.h"
-#include "tests/check.h"
 #include "tests/program.h"
 
 /* ---- a text line by line ---- */
 
 static char *rest;
 
-/* The next line is this one. */
+/* The next line, or lines, are these. */
 static void line_is(const char *format, ...) __attribute__((format(printf, 1, 2)));
 static void line_is(const char *format, ...)
 {
     char expected[4096];
     va_list list;
     va_start(list, format);
-    vsnprintf(expected, sizeof expected, format, list);
+    const int length = vsnprintf(expected, sizeof expected - 1, format, list);
     va_end(list);
-    const char *line = rest ? strsep(&rest, "\n") : "(end of the text)";
-    const bool same = strcmp(line, expected) == 0;
-    if (!same) fprintf(stderr, "a line is:  %s\nexpected: %s\n", line, expected);
+    strcpy(expected + length, "\n");
+    const bool same = strncmp(rest, expected, strlen(expected)) == 0;
+    if (!same) fprintf(stderr, "the text goes on:\n%.400s\nexpected:\n%s", rest, expected);
     CU_ASSERT_FATAL(same);
+    rest += length + 1;
 }
 
 static void text_ends(void)
 {
-    CU_ASSERT(rest && *rest == '\0');
+    CU_ASSERT(*rest == '\0');
 }
 
 /* The next line of what is expected; false at its end. */
@@ -154,8 +151,7 @@ static void check_help(const cli_command *c)
         rest = out;
         snprintf(start, sizeof start, "usage: %s %s ", typed, c->name);
         if (c->group) {
-            line_is("%sCOMMAND [options]; repose %s COMMAND --help says more", start, c->name);
-            line_is("%s", "");
+            line_is("%sCOMMAND [options]; repose %s COMMAND --help says more\n", start, c->name);
             for (const cli_command *const *g = c->group; *g; g++)
                 line_is("  %-10s %s", own_name(*g), (*g)->summary);
             text_ends();
@@ -167,20 +163,15 @@ static void check_help(const cli_command *c)
         }
         line_is("%s", "");
         check_about(c->about, width);
-        line_is("%s", "");
-        line_is("options:");
+        line_is("\noptions:");
         const size_t n = options_of(c, options);
         for (size_t i = 0; i < n; i++) {
             snprintf(start, sizeof start, "  %-22.39s ", options[i].typed);
             filled(start, text_of(options[i].p, text), 25, width);
         }
-        line_is("  %-22s this text", "--help");
-        line_is("%s", "");
-        line_is("refuses:");
+        line_is("  %-22s this text\n\nrefuses:", "--help");
         for (const char *from = c->refuses; next_line(&from, line);) filled("  ", line, 4, width);
-        line_is("%s", "");
-        line_is("example:");
-        line_is("  %s", c->example);
+        line_is("\nexample:\n  %s", c->example);
         text_ends();
     }
 }
@@ -232,8 +223,8 @@ static void test_orders(void)
 /* Is there a row of CHANGELOG.md with both? The second is read to its first comma or semicolon. */
 static bool is_told_of(const char *changes, const char *name, const char *instead)
 {
-    char line[MOST], plain[MOST], first[128];
-    snprintf(first, sizeof first, "%.*s", (int)strcspn(instead, ",;"), instead);
+    char line[MOST], plain[MOST];
+    const char *first = check_text("%.*s", (int)strcspn(instead, ",;"), instead);
     while (next_line(&changes, line)) {
         char *to = plain;
         for (const char *c = line; *c; c++)
@@ -250,9 +241,8 @@ static void test_removed(void)
     scoped char *changes = NULL;
     CHECK_OK(rp_file_read("CHANGELOG.md", &changes));
     for (const cli_removed *r = cli_repose.removed; r->name; r++) {
-        char expected[256];
         const char *dashes = strstr(r->name, " --");
-        snprintf(expected, sizeof expected, "%s of 0.1.0 is gone; instead: %s\n", r->name, r->instead);
+        const char *expected = check_text("%s of 0.1.0 is gone; instead: %s\n", r->name, r->instead);
         FAILS(64, expected, "%s", r->name);
         if (dashes) FAILS(64, expected, "%s=3", r->name);
         CU_ASSERT(is_told_of(changes, dashes ? dashes + 1 : r->name, r->instead));
@@ -273,7 +263,7 @@ static void test_room(void)
     enum { MANY = 100, FAR = 100000 };
     static rp_param rows[MANY + 1];
     static const char long_name[] = "abcdefghijklmnopqrstuvwxyz_0123456789_abcdefghijklmnopqrstuvwxyz";
-    rp_arena arena = {0};
+    RP_SCOPE(arena);
     cli_call call = {.arena = &arena, .program = &cli_repose};
     char name[] = "many", needed[] = "--needed";
     cli_command c = {.name = name, .protocol = rows, .protocol_size = FAR * MANY, .prints_text = true};
@@ -294,7 +284,6 @@ static void test_room(void)
         CHECK_OK(cli_run(&call, &c, 3, (char *[]){name, needed, name, NULL}));
         rows[i] = rows[1];
     }
-    rp_arena_release(&arena, NULL);
 }
 
 /* How many arguments go with a synopsis, and options that take no value. */
@@ -314,7 +303,7 @@ static void test_arguments(void)
     char name[] = "few", one[] = "one", flag[] = "--flag", wrong[] = "--flag=3", letter[] = "-y",
          both[] = "-x3";
     cli_command c = {.name = name, .protocol = rows, .prints_text = true, .act = nothing};
-    rp_arena arena = {0};
+    RP_SCOPE(arena);
     cli_call call = {.arena = &arena, .program = &cli_repose};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
         for (int n = 0; n < 3; n++) {
@@ -342,7 +331,6 @@ static void test_arguments(void)
                 "unknown option --flag=3 (did you mean --flag?)");
     CHECK_FAILS(cli_run(&call, &c, 2, (char *[]){name, letter, NULL}), RP_USAGE,
                 "unknown option -y; see repose few --help");
-    rp_arena_release(&arena, NULL);
 }
 
 /* ---- manual ---- */
@@ -358,17 +346,13 @@ static void marked(const char *before, const char *text, const char *after)
 
 static void title_is(const char *before, const char *name)
 {
-    marked(before, name, "");
-    line_is("%s", "");
+    marked(before, name, "\n");
 }
 
 static void item_is(const char *dashes, const char *name, const char *text)
 {
-    char before[8];
-    snprintf(before, sizeof before, "**%s", dashes);
-    marked(before, name, "**");
-    marked(":   ", text, "");
-    line_is("%s", "");
+    marked(check_text("**%s", dashes), name, "**");
+    marked(":   ", text, "\n");
 }
 
 /* Lines in the form of the text are indented, with a blank line before and after. */
@@ -400,8 +384,7 @@ static void schema_is(const rp_param *schema)
             for (const char *c = strncpy(word, at, 63); c - word < end - at; c++)
                 to += sprintf(to, *c == '_' ? "\\%c" : "%c", *c);
             strcpy(to, "*: ");
-            marked(text, p->manual[k++], "");
-            line_is("%s", "");
+            marked(text, p->manual[k++], "\n");
         }
     }
 }
@@ -416,10 +399,7 @@ static void command_is(const cli_command *c)
         return; /* `each` continues with its commands */
     }
     snprintf(text, sizeof text, "**repose %s** ", c->name);
-    for (const char *from = c->synopsis; next_line(&from, line);) {
-        marked(text, line, "");
-        line_is("%s", "");
-    }
+    for (const char *from = c->synopsis; next_line(&from, line);) marked(text, line, "\n");
     lines_are(c->about);
     const size_t n = options_of(c, options);
     for (size_t i = 0; i < n; i++) {
@@ -431,11 +411,7 @@ static void command_is(const cli_command *c)
         marked(text, line, "");
         *text = '\0';
     }
-    line_is("%s", "");
-    line_is("Example:");
-    line_is("%s", "");
-    line_is("    %s", c->example);
-    line_is("%s", "");
+    line_is("\nExample:\n\n    %s\n", c->example);
 }
 
 static void test_manual(void)
@@ -445,13 +421,11 @@ static void test_manual(void)
     CU_ASSERT_PTR_NOT_NULL_FATAL(files);
     GOOD("help --markdown");
     rest = out;
-    line_is("%% REPOSE(1) Repose %s | User Commands", RP_VERSION);
-    line_is("%s", "");
+    line_is("%% REPOSE(1) Repose %s | User Commands\n", RP_VERSION);
     title_is("# ", "NAME");
     title_is("repose \\- ", cli_repose.about);
     title_is("# ", "SYNOPSIS");
-    line_is("**repose** *COMMAND* [options]");
-    line_is("%s", "");
+    line_is("**repose** *COMMAND* [options]\n");
     title_is("# ", "COMMANDS");
     each(cli_repose.commands, command_is);
     title_is("# ", "KEYS OF A SCENE FILE");
@@ -517,18 +491,13 @@ static void test_completion(void)
     char words[1024] = "";
     GOOD("help --completion");
     rest = out;
-    line_is("# Completion of repose, from `repose help --completion`; names of files where no word fits.");
-    line_is("_repose()");
-    line_is("{");
-    line_is("    local words=");
-    line_is("    case \"${COMP_WORDS[*]:1:COMP_CWORD-1} \" in");
+    line_is("# Completion of repose, from `repose help --completion`; names of files where no word fits.\n"
+            "_repose()\n{\n    local words=\n    case \"${COMP_WORDS[*]:1:COMP_CWORD-1} \" in");
     for (const cli_command *const *c = cli_repose.commands; *c; c++) completion_of(*c);
     for (const cli_command *const *c = cli_repose.commands; *c; c++) strcat(strcat(words, (*c)->name), " ");
-    line_is("    ' ') words='%s--help --version' ;;", words);
-    line_is("    esac");
-    line_is("    mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"${COMP_WORDS[COMP_CWORD]}\")");
-    line_is("}");
-    line_is("complete -o bashdefault -o default -F _repose repose");
+    line_is("    ' ') words='%s--help --version' ;;\n    esac", words);
+    line_is("    mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"${COMP_WORDS[COMP_CWORD]}\")\n}\n"
+            "complete -o bashdefault -o default -F _repose repose");
     text_ends();
 }
 
@@ -663,11 +632,10 @@ static void experiments_are_listed(bool si)
         for (const exp_output *o = m.outputs; o->name; o++) {
             const exp_output *first = o; /* a family of the bins stands in one line */
             const size_t stem = strcspn(o->name, "0123456789");
-            char names[64];
             while (o[1].name && strlen(o->name) == stem + 2 && strlen(o[1].name) == stem + 2 &&
                    strncmp(o->name, o[1].name, stem) == 0)
                 o++;
-            snprintf(names, sizeof names, o > first ? "%s to %s" : "%s", first->name, o->name);
+            const char *names = check_text(o > first ? "%s to %s" : "%s", first->name, o->name);
             HEADING("#   %-25s %-10s %s", names, or_dash(first->unit), first->meaning);
         }
         schema_is_listed("experiment", m.name, m.schema, si);

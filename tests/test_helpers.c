@@ -1,15 +1,10 @@
 /* Tests of the tests: each helper by which a test fails must fail where it should, NaN included. */
 #include <limits.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "core/status.h"
 #include "core/version.h"
 #include "dem/state/state.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/program.h"
 #include "validation/cases.h"
@@ -255,8 +250,7 @@ static void test_oblique_end(void)
 static void test_same_bits(void)
 {
     dem_grain one = {.x = 0.3, .y = 0.7, .r = 0.1, .m = 0.2, .vx = 1.5, .vy = -2.5};
-    dem_definition def = dem_definition_default();
-    def.grains = &one, def.n_grains = 1;
+    dem_definition def = grains_of(1, &one);
     scoped_sim *a = grains_start(&def), *same = grains_start(&def);
     CU_ASSERT(grains_same_bits(a, same));
     double *const members[] = {&one.x, &one.y, &one.r, &one.m, &one.vx, &one.vy};
@@ -281,8 +275,7 @@ static void test_wrong_pairs(void)
     dem_grain three[] = {{.x = 0.0, .y = 1.0, .r = 0.1, .m = 1.0},
                          {.x = 0.2, .y = 1.0, .r = 0.1, .m = 1.0},
                          {.x = 9.0, .y = 1.0, .r = 0.1, .m = 1.0}};
-    dem_definition def = dem_definition_default();
-    def.grains = three, def.n_grains = 3;
+    dem_definition def = grains_of(3, three);
     scoped_sim *sim = grains_start(&def);
     CU_ASSERT_FATAL(sim->pairs.n == 1);
     CU_ASSERT(grains_wrong_pairs(sim) == 0);
@@ -306,8 +299,7 @@ static void test_wrong_pairs(void)
 /* So soft that neighbours slide apart, although every well holds: no result, and a state that is no pile. */
 static void collapsing_pile(void)
 {
-    solved_pile pile = solved_pile_make(7, 60.0, 0.1, 1);
-    solved_pile_free(&pile);
+    RP_ENDS(solved_pile_free) solved_pile pile = solved_pile_make(7, 60.0, 0.1, 1);
 }
 
 /* Close-packed disks of unit diameter on the ground, a part of 1e-13 lower, each with its two neighbours of
@@ -335,10 +327,9 @@ static void test_solved_pile(void)
 {
     const double eps = 1e-4;
     CU_ASSERT_EQUAL(failures_of(collapsing_pile), 2);
-    solved_pile pile = solved_pile_make(7, 60.0, eps, 1);
-    CU_ASSERT_EQUAL(pile.n, 28); /* the whole triangle */
-    solved_pile_free(&pile);
-    pile = solved_pile_make(7, 30.0, eps, 1);
+    RP_ENDS(solved_pile_free)
+    solved_pile triangle = solved_pile_make(7, 60.0, eps, 1), pile = solved_pile_make(7, 30.0, eps, 1);
+    CU_ASSERT_EQUAL(triangle.n, 28); /* the whole triangle */
     CU_ASSERT_EQUAL(pile.n,
                     12); /* 7 + 4 + 1: row j has the middles with j <= 2/3 of the way to the nearer end */
     double N = 0.0, H = 0.0;
@@ -363,7 +354,6 @@ static void test_solved_pile(void)
     floor = forces[1];
     CHECK_NEAR(fy, -(double)pile.n - floor,
                1e-9 * (double)pile.n); /* weight and ground are all that acts from outside */
-    solved_pile_free(&pile);
 }
 
 /* ---- provenance ---- */
@@ -381,8 +371,7 @@ static void test_commit(void)
     CU_ASSERT_PTR_NOT_NULL(strstr(out, line));
 }
 
-/* A commit is named as such only where the files are those of the commit; what a study has written is none of
- * the program. */
+/* A commit is named as such only where the files are its own; what a study has written is none of them. */
 static void test_dirty_commit(void)
 {
     static const char script[] =

@@ -2,9 +2,7 @@
  * often as they say, the signed roots of chi2 are normal, and what can't be told is said. */
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_randist.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include <gsl/gsl_sort.h>
 
 #include "check.h"
 #include "core/arena.h"
@@ -80,17 +78,11 @@ static stats_quest quest_of(stand_in *s, const double truth[], double error)
     return q;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const double *p = a, *q = b;
-    return (*p > *q) - (*p < *q);
-}
-
 /* Kolmogorov's distance from the normal law, times the root of the number. */
 static double distance_from_normal(size_t n, double z[])
 {
     double most = 0.0;
-    qsort(z, n, sizeof *z, by_value);
+    gsl_sort(z, 1, n);
     for (size_t i = 0; i < n; i++) {
         const double at = gsl_cdf_ugaussian_P(z[i]);
         most = fmax(most, fmax(fabs(at - (double)i / (double)n), fabs(at - (double)(i + 1) / (double)n)));

@@ -1,12 +1,9 @@
 /* The installed tree: found from any folder, moved as a whole, used as a library. RP_INSTALLED names a prefix
  * to be tested instead of a fresh installation, as of a package. */
 #include <limits.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "cli/cli.h"
 #include "core/version.h"
-#include "tests/check.h"
 #include "tests/program.h"
 
 #define PASSES(...) CU_ASSERT(passes(__VA_ARGS__))
@@ -210,8 +207,7 @@ static void test_examples(void)
                "    dem_sim *s;\n    dem_definition d = dem_definition_default();\n"
                "    return !dem_create(&d, &s) || ang_marginal(0.2, 1.0, &m, NULL);\n}\n");
     PASSES("for m in 'dem repose-angle' 'angle repose-dem' 'angle repose-analytic repose-dem'; do ${CC:-gcc} "
-           "$SANITIZE "
-           "both.c $(pkg-config --cflags --libs repose-$m) -o both || exit 1; done");
+           "$SANITIZE both.c $(pkg-config --cflags --libs repose-$m) -o both || exit 1; done");
 }
 
 /* ---- manual and completion ---- */
@@ -220,7 +216,7 @@ static void test_examples(void)
 static void check_options(const cli_command *c, const char *completion)
 {
     char text[256];
-    rp_arena arena = {0};
+    RP_SCOPE(arena);
     cli_call call = {.arena = &arena, .program = &cli_repose};
     if (c->group) {
         for (const cli_command *const *g = c->group; *g; g++) check_options(*g, completion);
@@ -237,7 +233,6 @@ static void check_options(const cli_command *c, const char *completion)
         if (!there) fprintf(stderr, "%s: not in the completion of %s\n", text, c->name);
         CU_ASSERT(there);
     }
-    rp_arena_release(&arena, NULL);
 }
 
 /* Words typed, and the word that follows. */
@@ -252,13 +247,12 @@ static void check_completion(void)
                                            {"lattice --layers ", ""},
                                            {"sweep plan sweeps/l", ""}};
     for (size_t i = 0; i < sizeof typed / sizeof *typed; i++) {
-        char text[512], expected[64];
-        snprintf(text, sizeof text,
-                 "bash -c 'source $PREFIX/share/bash-completion/completions/repose; words=\"repose %s\"; "
-                 "COMP_WORDS=($words); [ \"${words%% }\" = \"$words\" ] || COMP_WORDS+=(\"\"); "
-                 "COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _repose; echo \"${COMPREPLY[*]}\"'",
-                 typed[i][0]);
-        snprintf(expected, sizeof expected, "%s\n", typed[i][1]);
+        const char *text = check_text(
+            "bash -c 'source $PREFIX/share/bash-completion/completions/repose; words=\"repose %s\"; "
+            "COMP_WORDS=($words); [ \"${words%% }\" = \"$words\" ] || COMP_WORDS+=(\"\"); "
+            "COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _repose; echo \"${COMPREPLY[*]}\"'",
+            typed[i][0]);
+        const char *expected = check_text("%s\n", typed[i][1]);
         PASSES(text);
         CU_ASSERT_STRING_EQUAL(out, expected);
     }
@@ -304,8 +298,8 @@ static void test_debian(void)
     PASSES("grep '^version: ' $SOURCE/CITATION.cff");
     CU_ASSERT_STRING_EQUAL(out, "version: " RP_VERSION "\n");
     PASSES("for p in $(sed -n '/^PACKAGES/,/[^\\\\]$/p' $SOURCE/Makefile); do case $p in libcunit*) ;; "
-           "lib*-dev|pkg-config) "
-           "grep -qw -e \"$p\" $SOURCE/debian/control || { echo $p; exit 1; } ;; esac; done");
+           "lib*-dev|pkg-config) grep -qw -e \"$p\" $SOURCE/debian/control || { echo $p; exit 1; } ;; esac; "
+           "done");
 }
 
 CHECK_SUITE_WITHIN(install, "install", enter, leave, test_targets, test_data, test_order, test_headers,

@@ -1,11 +1,6 @@
 /* Every key of a scene file and of a protocol matters: changing it changes the result of some run below. So
  * does every word of a key that takes words. A key that is read and then ignored fails here, and a new key
  * without a run that it changes as well. Keys that change no result by design are listed, with the reason. */
-#include <stdlib.h>
-#include <string.h>
-
-#include "dem/scene/scene.h"
-#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/protocol.h"
@@ -155,9 +150,7 @@ static char *outcome(const char *text, const char *change)
 /* Whether the scene's result changes with the key. */
 static bool scene_changes(size_t scene, const char *base, const char *path, const char *value)
 {
-    char change[160];
-    snprintf(change, sizeof change, "%s=%s", path, value);
-    scoped char *now = outcome(scenes[scene], change);
+    scoped char *now = outcome(scenes[scene], check_text("%s=%s", path, value));
     return now && strcmp(now, base) != 0;
 }
 

@@ -1,7 +1,5 @@
 /* Every contact law of the lists in laws.h, with every feature and kernel: what is listed is tested. */
 #include <gsl/gsl_integration.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "core/clock.h"
 #include "dem/setup/definition.h"
@@ -327,10 +325,9 @@ static void defaults_need_a_rate(void)
         p.tangential = DEM_SPRING;
         dem_physics_apply(&p, &def);
         if (rate) CHECK_NEAR(def.material.gamma_s, 0.003, 1e-17);
-        char expected[128];
-        snprintf(expected, sizeof expected,
-                 "gamma_s: has no default for the law %s, whose gamma_n is a number; give a rate, in 1/s",
-                 dem_normal_descriptors[normal].name);
+        const char *expected = check_text(
+            "gamma_s: has no default for the law %s, whose gamma_n is a number; give a rate, in 1/s",
+            dem_normal_descriptors[normal].name);
         if (!rate) CHECK_FAILS(dem_physics_check(&def), RP_BAD_INPUT, expected);
         p.gamma_s = 5.0;
         dem_physics_apply(&p, &def);

@@ -1,7 +1,4 @@
 /* The energy ledger: it closes, agrees with closed forms, and changes no trajectory. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "dem/setup/definition.h"
 #include "dem/state/method.h"
 #include "tests/check.h"

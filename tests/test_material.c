@@ -1,8 +1,5 @@
 /* Elastic spheres by their material: Hertz, Mindlin. */
-#include <stdlib.h>
-
 #include "dem/law/law.h"
-#include "dem/scene/scene.h"
 #include "dem/state/state.h"
 #include "tests/check.h"
 #include "tests/grains.h"
@@ -81,8 +78,7 @@ static void no_energy_gained(void)
     CU_ASSERT(most > 0.0);
 }
 
-/* Two unequal spheres, or a sphere and a wall, meet without damping: deepest overlap and time of Hertz'
- * theory. */
+/* Two unequal spheres, or a sphere and a wall, meet undamped: deepest overlap and time of Hertz' theory. */
 static void hertz_impact(void)
 {
     for (int wall = 0; wall < 2; wall++)
@@ -235,8 +231,7 @@ static void rolling_arms(void)
         scoped_sim *sim = grains_after_text(/* the spring comes to its limit */
                                             60,
                                             "%srotation = true; gravity = [0.0, 0.0]; dt = 2e-7; rolling = { "
-                                            "model = \"%s\"; arm = \"%s\"; "
-                                            "mu = %g; };\n"
+                                            "model = \"%s\"; arm = \"%s\"; mu = %g; };\n"
                                             "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
                                             "particles = ( { x = 0.0; y = %g; r = %g; omega = %g; }, { x = "
                                             "0.1499; y = %g; r = 0.05; } );\n",

@@ -1,9 +1,5 @@
 /* The energy-conserving implicit integrator: against closed forms of the mid-point rule, conservation laws,
  * and direct solver against SOR sweeps. Lengths in diameters, masses in those of a disk. */
-#include <stdlib.h>
-#include <string.h>
-
-#include "dem/dem.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 
@@ -142,8 +138,7 @@ static void energy_of_gas(void)
     }
 }
 
-/* Steps of ten contact times in a dense group, where a grain hits several others and Newton's method would
- * overshoot. */
+/* Steps of ten contact times in a dense group, where a grain hits several others and Newton overshoots. */
 static void long_steps(void)
 {
     enum { N = 16 };
@@ -310,8 +305,7 @@ static void work_of_both(void)
         def.implicit.tolerance = cases[c].tolerance;
         if (cases[c].relaxation > 0.0)
             def.implicit.solver = DEM_SOLVER_SOR, def.implicit.relaxation = cases[c].relaxation;
-        scoped_sim *sim = grains_start(&def);
-        CHECK_OK(dem_run(sim, 200));
+        scoped_sim *sim = grains_after(&def, 200);
         CHECK_NEAR(grains_counts(sim).iterations, cases[c].iterations, 0.0);
     }
 }
@@ -359,8 +353,7 @@ static void what_the_tolerance_asks(void)
         const double stiffness = 0.5 * soft + gamma * m_eff / dt - turn;
         const double asked = c * soft * d / (worst->r * (worst->m + c * stiffness));
         def.implicit.tolerance = asked * (enough ? 1.0 + 1e-9 : 1.0 - 1e-9);
-        scoped_sim *sim = grains_start(&def);
-        CHECK_OK(dem_run(sim, 1));
+        scoped_sim *sim = grains_after(&def, 1);
         CU_ASSERT(enough == (grains_counts(sim).iterations == 0.0));
     }
 }

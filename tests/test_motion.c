@@ -1,7 +1,4 @@
 /* Motion of grains and walls: the Gear scheme, the rotating box, fixed grains, gravity set by a call. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "core/clock.h"
 #include "dem/setup/definition.h"
 #include "dem/state/method.h"

@@ -1,14 +1,10 @@
 /* Numbers in the lines above a table, `# key: ...`: each is computed a second time, from the table's own
  * rows, from what was written into its input, or by the library. */
 #include <gsl/gsl_math.h>
-#include <math.h>
 #include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "core/clock.h"
 #include "sweeps/protocols/pile.h"
-#include "tests/check.h"
 #include "tests/program.h"
 #include "tests/protocol.h"
 
@@ -125,8 +121,8 @@ static void test_pile(void)
          "base=45 alpha_deg=30 eps=1e-4 well=1 mu=0.2 set_again=true"}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         scoped sweep_pile *p = PROTOCOL_PARAMS(&sweep_protocol_pile, cases[k][1]);
-        sweep_outline h = {0};
-        sweep_solved s;
+        RP_ENDS(sweep_outline_free) sweep_outline h = {0};
+        RP_ENDS(sweep_solved_free) sweep_solved s;
         sweep_result r;
         CHECK_OK(sweep_pile_outline(p, 1, 0, &h));
         CHECK_OK(sweep_pile_solve(p, &h, NULL, NULL, &s, &r));
@@ -138,8 +134,6 @@ static void test_pile(void)
         CU_ASSERT((rp_table_find_note(&t, "released") != NULL) == !isnan(s.r.released));
         if (!isnan(s.r.released))
             check_note(&t, "released", "%.6g m g eps sigma, from the primary state on", s.r.released);
-        sweep_solved_free(&s);
-        sweep_outline_free(&h);
         SHELL("rm -r d");
     }
 }
@@ -220,9 +214,8 @@ static void test_idle_options(void)
     write_text("disks.tsv", "x\ty\n0\t0.5\n1\t0.5\n0.5\t1.366025\n");
     write_text("outline.tsv", "x\ty\n0\t0\n4\t3\n9\t0\n");
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        char named[64], others[64];
-        snprintf(named, sizeof named, "%.*s ", (int)strcspn(cases[k].option, " "), cases[k].option);
-        snprintf(others, sizeof others, "%.*s", (int)strcspn(cases[k].option, " "), cases[k].option);
+        const char *named = check_text("%.*s ", (int)strcspn(cases[k].option, " "), cases[k].option);
+        const char *others = check_text("%.*s", (int)strcspn(cases[k].option, " "), cases[k].option);
         const int status = run("pile %s %s", cases[k].idle, cases[k].option);
         const bool right = strncmp(err, "repose pile: ", 13) == 0 &&
                            (strstr(err, "would do nothing") ? strncmp(err + 13, named, strlen(named)) == 0
@@ -348,9 +341,8 @@ static void check_export(size_t stored)
     CHECK_NEAR(strtod(note(&t, "run_time"), NULL), seconds, 0.0501); /* one decimal is printed */
     CU_ASSERT(strcmp(note(&t, "base"), "10") == 0 && strcmp(note(&t, "disorder"), "0.02") == 0);
     CU_ASSERT(rp_table_find_note(&t, "eps") == NULL); /* it is a column */
-    char count[32], digest[64] = "";
-    snprintf(count, sizeof count, " (%zu)", stored);
-    CU_ASSERT(strstr(note(&t, "runs made by"), count) != NULL);
+    char digest[64] = "";
+    CU_ASSERT(strstr(note(&t, "runs made by"), check_text(" (%zu)", stored)) != NULL);
     if (stored == 6) {
         GOOD("sweep digest s");
         CU_ASSERT_FATAL(sscanf(out, "%63s", digest) == 1);

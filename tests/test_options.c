@@ -1,11 +1,7 @@
 /* Every option of a command that computes something changes the rows that the command prints. An option that
  * is parsed and then ignored fails here, and so does a new option without a line below. */
 #include <jansson.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
-#include "tests/check.h"
 #include "tests/program.h"
 
 /* A command on the fixtures, and options to add, each by itself. */
@@ -98,9 +94,8 @@ static double scatter(int i)
 /* Piles of repose and stress at mu 0.1 to 0.4 and W 2 to 6, five of each; theta bends with W. */
 static void print_runs(FILE *file)
 {
-    fprintf(file, "# "
-                  "mu\tW\ttheta\tse\tseconds\tsteps\treplica\tpile\ttheta_r3_deg\ttheta_t_displacement_"
-                  "deg\tn_0\tn_1\th_0\th_1\t"
+    fprintf(file, "# mu\tW\ttheta\tse\tseconds\tsteps\treplica\tpile\ttheta_r3_deg\t"
+                  "theta_t_displacement_deg\tn_0\tn_1\th_0\th_1\t"
                   "sxx_0\tsxy_0\tsyx_0\tsyy_0\tsxx_1\tsxy_1\tsyx_1\tsyy_1\tstatus\n");
     for (int i = 0; i < 60; i++) {
         const double mu = 0.1 * (1 + i % 4), W = 2.0 + 2.0 * (i / 4 % 3), s = scatter(i), t = scatter(i + 60);
@@ -209,9 +204,7 @@ static int run_command(const char *command, const char *words)
 static char *rows_of(const char *command, const char *base, const char *change)
 {
     static char rows[sizeof out];
-    char words[512];
-    snprintf(words, sizeof words, "%s %s", base, change);
-    const int status = run_command(command, words);
+    const int status = run_command(command, check_text("%s %s", base, change));
     char *to = rows, *rest = out, *line;
     if (status != 0 && status != 1) {
         fprintf(stderr, "repose %s %s %s: %s", command, base, change, err);
@@ -300,8 +293,7 @@ static bool same_value(const char *cell, const json_t *value)
 static void check_json(const char *command, const char *base)
 {
     static char keep[sizeof out];
-    char words[512];
-    snprintf(words, sizeof words, "%s --json", base);
+    const char *words = check_text("%s --json", base);
     const int status = run_command(command, base);
     memcpy(keep, out, sizeof out);
     scoped_table t = {0};

@@ -2,15 +2,10 @@
  * contacts, unequal disks, runs without a result. */
 #include <gsl/gsl_fit.h>
 #include <gsl/gsl_statistics_double.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "experiment/modules/module.h"
 #include "stress/stress.h"
 #include "sweeps/protocols/pile.h"
-#include "sweeps/protocols/protocols.h"
-#include "tests/check.h"
 #include "tests/protocol.h"
 #include "tests/program.h"
 
@@ -72,15 +67,13 @@ static double middle_of(const double N[])
 /* Loads 1 + s |u|^power of k disks at 3 + 0.2 u, u from -1/2 to 1/2. */
 static double heaped(size_t k, double s, double power)
 {
-    double *x = malloc(2 * k * sizeof *x), *N = x + k;
+    scoped double *x = malloc(k * sizeof *x), *N = malloc(k * sizeof *N);
     for (size_t i = 0; i < k; i++) {
         const double u = ((double)i + 0.5) / (double)k - 0.5;
         x[i] = 3 + 0.2 * u;
         N[i] = 1 + s * pow(fabs(u), power);
     }
-    const double D = dip_of(k, x, N, 0.2 / (double)k);
-    free(x);
-    return D;
+    return dip_of(k, x, N, 0.2 / (double)k);
 }
 
 /* B ends at a disk, so that w has an error of up to 2/K; |dD/dw| is at most 0.45 |s|. */
@@ -376,8 +369,7 @@ static void solve(const pile_case *c, sweep_outline *h, statics_pile **pile, sta
     CHECK_OK(statics_solve(*pile, r));
 }
 
-/* Of the contacts that no other of one of their disks is stronger than, or weaker (sign -1): how many of them
- * are level. */
+/* Of contacts that no other of one of their disks is stronger (sign -1: weaker) than: how many are level. */
 static double level_part(size_t n, const statics_contact list[], double sign)
 {
     size_t all = 0, level = 0;
@@ -429,11 +421,8 @@ static void check_base(const pile_case *c, const sweep_outline *h, const double 
     CHECK_OK(stress_base_profile(K, x, r_disk, N, &base));
     CHECK_OK(stress_base_profile(K, x, r_disk, exact, &diagonals));
     stress_base_bins(&base, K, x, r_disk, exact, rays);
-    for (int k = 0; k < STRESS_DIP_BINS; k++) {
-        char name[24];
-        snprintf(name, sizeof name, "n_%02d", k + 1);
-        CHECK_NEAR(output(r, name), base.N[k], BALANCE);
-    }
+    for (int k = 0; k < STRESS_DIP_BINS; k++)
+        CHECK_NEAR(output(r, check_text("n_%02d", k + 1)), base.N[k], BALANCE);
     CHECK_EACH(output(r, NAME), BALANCE, {"middle", middle_of(base.N)},
                {"middle_diagonals", middle_of(diagonals.N)}, {"excess", inner(base.N) - inner(rays)});
 }
@@ -484,7 +473,7 @@ static void outputs_a_second_way(void)
         statics_result solved;
         size_t disk[22], n;
         double x[22], N[22], H[22];
-        statics_contact *list;
+        scoped statics_contact *list = NULL;
         const char *settings[10] = {"base=22"};
         memcpy(settings + 1, c->settings, sizeof c->settings);
         CHECK_OK(run_pile(settings, 3, &r));
@@ -502,7 +491,7 @@ static void outputs_a_second_way(void)
         CU_ASSERT(output(&r, "negative_modes") == (double)solved.negative_modes);
         CU_ASSERT(output(&r, "broken") == 0 && output(&r, "jumps") == (double)solved.jumps);
         CU_ASSERT(output(&r, "smallest_pivot") == solved.smallest_pivot && output(&r, "load") == 1);
-        free(list), statics_free(pile);
+        statics_free(pile);
     }
 }
 

@@ -2,12 +2,8 @@
  * that reads another column, row or table then stands beside words that do not fit. */
 #include <ctype.h>
 #include <glob.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "tests/protocol.h"
-#include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/program.h"
 
@@ -151,9 +147,8 @@ static bool holds_number(const char *text, double wanted)
 /* The numbers that follow "KEY = " in a sentence, "0.1, 0.2 and 0.3"; empty if it does not name the key. */
 static void numbers_of(const char *line, const char *key, char list[256])
 {
-    char said[64];
     size_t used = 0;
-    snprintf(said, sizeof said, "%s = ", key);
+    const char *said = check_text("%s = ", key);
     for (const char *at = line; (at = strstr(at, said)); at++)
         if (at == line || !(isalnum((unsigned char)at[-1]) || at[-1] == '_'))
             for (const char *c = at + strlen(said);
@@ -170,7 +165,6 @@ static bool is_usual(const rp_table *claims, const char *key, const char *value)
 {
     static const char *const words[] = {"auto", "none",     "computed", "all",
                                         "free", "smallest", "largest",  "ok_fixed_time"};
-    char said[64];
     for (size_t k = 0; k < sizeof words / sizeof *words; k++)
         if (strcmp(value, words[k]) == 0) return true;
     for (size_t k = 0; sweep_protocols[k]; k++) {
@@ -180,7 +174,7 @@ static bool is_usual(const rp_table *claims, const char *key, const char *value)
             !*end)
             return true;
     }
-    snprintf(said, sizeof said, "%s=%s", key, value);
+    const char *said = check_text("%s=%s", key, value);
     const char *lh = rp_table_find_note(claims, "at lh"), *li = rp_table_find_note(claims, "at li");
     return strstr(lh, said) || strstr(li, said);
 }
@@ -358,11 +352,10 @@ static void test_words(void)
     scoped_table claims = {0};
     CHECK_OK(rp_table_read("report/claims.tsv", &claims));
     a.claims = &claims;
-    glob_t found;
+    RP_ENDS(globfree) glob_t found;
     CU_ASSERT_FATAL(glob("report/text/*.md.in", 0, NULL, &found) == 0);
     for (size_t i = 0; i < found.gl_pathc; i++)
         if (!strstr(found.gl_pathv[i], "/validation")) CU_ASSERT(text_fits(found.gl_pathv[i], &a));
-    globfree(&found);
 }
 
 CHECK_SUITE(places, "places", test_words)

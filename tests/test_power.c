@@ -8,8 +8,6 @@
 #include <gsl/gsl_rng.h>
 #include <signal.h>
 #include <sqlite3.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -17,8 +15,6 @@
 
 #include "core/random.h"
 #include "core/file.h"
-#include "sweeps/engine/sweep.h"
-#include "tests/check.h"
 #include "tests/faults.h"
 #include "tests/folder.h"
 #include "tests/noise.h"
@@ -457,12 +453,10 @@ static void note_rename(const char *from, const char *to)
 static void watch(const char *call, int descriptor, const char *from, const char *to)
 {
     struct stat info;
-    char path[64];
     if (++seen->calls == seen->kill_at) raise(SIGKILL);
     if (to) note_rename(from, to);
     if (strcmp(call, "fsync") != 0 || fstat(descriptor, &info) != 0) return;
-    snprintf(path, sizeof path, "/proc/self/fd/%d", descriptor);
-    if (S_ISREG(info.st_mode)) note_sync(&info, path);
+    if (S_ISREG(info.st_mode)) note_sync(&info, check_text("/proc/self/fd/%d", descriptor));
     if (S_ISDIR(info.st_mode) && info.st_ino == seen->loose) seen->loose = 0;
 }
 
@@ -485,25 +479,21 @@ static int run_in(const char *folder, const char *text, long kill_at)
 /* Of the tables that two folders have, those that are the same file by content; *n: all of the first. */
 static int count_equal(const char *a, const char *b, int *n)
 {
-    char path[256], other[300];
     int equal = 0;
-    glob_t tables = {0};
-    snprintf(path, sizeof path, "%s/%s/d/*.tsv", base, a);
-    glob(path, 0, NULL, &tables);
+    RP_ENDS(globfree) glob_t tables = {0};
+    glob(check_text("%s/%s/d/*.tsv", base, a), 0, NULL, &tables);
     *n = (int)tables.gl_pathc;
     for (int k = 0; k < *n; k++) {
-        snprintf(other, sizeof other, "%s/%s/d/%s", base, b, strrchr(tables.gl_pathv[k], '/') + 1);
+        const char *other = check_text("%s/%s/d/%s", base, b, strrchr(tables.gl_pathv[k], '/') + 1);
         equal += access(other, F_OK) == 0 && hash_file(other) == hash_file(tables.gl_pathv[k]);
     }
-    globfree(&tables);
     return equal;
 }
 
 /* A folder with the files of `from` and what a run makes there. */
 static void make_case(const char *name, const char *from)
 {
-    char line[512];
-    snprintf(line, sizeof line, "rm -rf %s/%s && cp -r %s/%s %s/%s", base, name, base, from, base, name);
+    const char *line = check_text("rm -rf %s/%s && cp -r %s/%s %s/%s", base, name, base, from, base, name);
     CU_ASSERT(system(line) == 0);
 }
 
@@ -511,7 +501,7 @@ static void make_case(const char *name, const char *from)
  * part of it, or of the new one; never of both. The same command, or --resume, ends with the new one. */
 static void replace_result(const char *options)
 {
-    char old[256], new[256], line[160];
+    char old[256], new[256];
     int n, n_new, kills = 0;
     snprintf(old, sizeof old, "run %s --every 2 -o d", options);
     snprintf(new, sizeof new, "run %s --every 1 -o d --force", options);
@@ -530,8 +520,7 @@ static void replace_result(const char *options)
         }
         const int of_old = count_equal("k", "old", &n), of_new = count_equal("k", "new", &n);
         CU_ASSERT(of_old + of_new == n && (of_old == 0 || of_new == 0));
-        snprintf(line, sizeof line, "grep -qs '^[+-]' %s/k/d/.repose", base);
-        const bool begun = system(line) == 0;
+        const bool begun = system(check_text("grep -qs '^[+-]' %s/k/d/.repose", base)) == 0;
         CU_ASSERT(begun || n == n_new);
         if (begun || run_in("k", new, 0) != 0) CU_ASSERT(run_in("k", "run --resume d", 0) == 0);
         CU_ASSERT(count_equal("k", "new", &n) == n_new && n == n_new);

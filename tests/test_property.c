@@ -1,10 +1,8 @@
 /* Properties of every pile, outline, surface, collision and contact, tested on random ones. */
 #include <float.h>
-#include <stdlib.h>
 
 #include "analytic/analytic.h"
 #include "angle/angle.h"
-#include "dem/dem.h"
 #include "statics/equilibrium.h"
 #include "dem/law/bodies.h"
 #include "tests/check.h"
@@ -303,9 +301,8 @@ static bool run_pair(const double x[], double angle, bool swapped, dem_state out
     def.dt = 1e-5;
     def.material = (dem_material){.k_s = 3e4, .gamma_s = 20.0, .mu = 0.3};
     grains_law(&def, (dem_normal_law)(pick(seed, 0) * DEM_NORMAL_N), 1e5, 50.0);
-    if (def.rotation && pick(seed, 8) < 0.5) {
+    if (def.rotation && pick(seed, 8) < 0.5)
         def.material.mu_roll = 0.2, def.material.k_roll = 2e4, def.material.gamma_roll = 20.0;
-    }
     dem_grain g[2] = {{.r = 0.08, .m = dem_mass(DEM_SPHERE, 1.0, 0.08)},
                       {.r = 0.12, .m = dem_mass(DEM_SPHERE, 1.0, 0.12)}};
     for (int i = 0; i < 2; i++) {

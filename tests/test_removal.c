@@ -1,7 +1,4 @@
 /* Grains that leave the scene: in a large pile, where gaps are closed later, with the bits of a small one. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "dem/list/list.h"
 #include "tests/check.h"
 #include "tests/grains.h"

@@ -1,14 +1,8 @@
 /* Protocol `repose`: its scene, and its outputs by a second method from the tables of a run. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "experiment/modules/module.h"
 #include "angle/angle.h"
-#include "dem/scene/scene.h"
 #include "dem/scene/text.h"
 #include "sweeps/engine/experiment.h"
-#include "sweeps/protocols/protocols.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/program.h"
 #include "tests/protocol.h"
@@ -360,7 +354,7 @@ static void check_pile(const sweep_result *result, double W)
     CU_ASSERT(output(result, "fill_steps_used") == cell(&filled, 0, "step"));
     CU_ASSERT(output(result, "relax_steps_used") == cell(&t, 0, "step") - cell(&filled, 0, "step"));
     const ang_options options = ANG_OPTIONS_DEFAULT;
-    ang_surface s;
+    RP_ENDS(ang_surface_free) ang_surface s;
     ang_slope slopes[ANG_N_METHODS];
     CHECK_OK(ang_surface_make(n, x, y, NULL, W, &options, &s));
     CHECK_OK(ang_slopes(s.n, s.column, s.h, s.cell, options.parabola, slopes));
@@ -371,7 +365,6 @@ static void check_pile(const sweep_result *result, double W)
                {"theta_r3_error_deg", slopes[2].theta_se * RADIAN_DEG},
                {"theta_r12_deg", theta[0] - theta[1]}, {"theta_r23_deg", theta[1] - theta[2]});
     CU_ASSERT(output(result, "cells") == (double)s.n_occupied);
-    ang_surface_free(&s);
 }
 
 /* Number of grains of the pile, at[], that are farther than `reach` from their positions in the box, rotated
@@ -436,8 +429,7 @@ static void onset(dem_sim *sim, const tilting *t, double *displacement, double *
     }
 }
 
-/* The last tenth of a degree before a grain with two contacts or more has moved by 0.5 d, with rest after
- * each tenth. */
+/* The last tenth of a degree before a grain with two contacts or more moves by 0.5 d, at rest after each. */
 static double static_onset(dem_sim *sim, const tilting *t)
 {
     dem_state at[256];
@@ -528,16 +520,14 @@ static void test_refusals(void)
     static const struct {
         const char *settings;
         const char *message;
-    } cases[] = {
-        {"mu_roll=0.1", "mu_roll = 0.1: needs rotation = true"},
-        {"rotation=true integrator=gear5", "grains that rotate need the integrator verlet"},
-        {"slip=total", "needs stop = \"steps\""},
-        {"stop=steps theta_t_static=true", "needs stop = \"rest\""},
-        {"dt=2e-4", "dt = 0.0002: too large"},
-        {"integrator=gear5 dt=1e-4", "dt = 0.0001: too large"},
-        {"radius_min=0.11", "radius_mean = 0.1: must lie between"},
-        {"W=0.9", "at least five grain diameters expected (W >= 5*d; W = 0.9)"},
-    };
+    } cases[] = {{"mu_roll=0.1", "mu_roll = 0.1: needs rotation = true"},
+                 {"rotation=true integrator=gear5", "grains that rotate need the integrator verlet"},
+                 {"slip=total", "needs stop = \"steps\""},
+                 {"stop=steps theta_t_static=true", "needs stop = \"rest\""},
+                 {"dt=2e-4", "dt = 0.0002: too large"},
+                 {"integrator=gear5 dt=1e-4", "dt = 0.0001: too large"},
+                 {"radius_min=0.11", "radius_mean = 0.1: must lie between"},
+                 {"W=0.9", "at least five grain diameters expected (W >= 5*d; W = 0.9)"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         protocol = protocol_of(&sweep_protocol_repose);
         scoped void *params = PROTOCOL_PARAMS(protocol, cases[i].settings);
@@ -592,13 +582,9 @@ static void test_limit_of_step(void)
         CU_ASSERT(strtod(rp_params_find(protocol->schema, "rest_energy")->fallback, NULL) == DEM_REST_ENERGY);
         CU_ASSERT(strtod(rp_params_find(protocol->schema, "rest_force")->fallback, NULL) == DEM_REST_FORCE);
         for (int above = 0; above < 2; above++) {
-            char dt[64];
-            snprintf(dt, sizeof dt, "dt=%.17g", limit * (1.0 + (above ? 1e-9 : -1e-9)));
+            const char *dt = check_text("dt=%.17g", limit * (1.0 + (above ? 1e-9 : -1e-9)));
             scoped void *params = PROTOCOL_PARAMS(protocol, "H=90", dt);
-            if (above)
-                CHECK_FAILS(protocol->check(params), RP_BAD_INPUT, "too large for");
-            else
-                CHECK_OK(protocol->check(params));
+            CHECK_FAILS_IF(above, protocol->check(params), RP_BAD_INPUT, "too large for");
         }
     }
 }

@@ -1,8 +1,6 @@
 /* The order of the rooms: what tests/rooms.py says of a small tree, and of one with a fault. */
 #include <limits.h>
-#include <stdlib.h>
 
-#include "tests/check.h"
 #include "tests/program.h"
 
 static char script[PATH_MAX];

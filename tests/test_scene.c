@@ -1,8 +1,4 @@
 /* Scene files: contents, refused input, and written scenes that read back to the same bits. */
-#include <stdlib.h>
-#include <string.h>
-
-#include "dem/scene/scene.h"
 #include "dem/state/state.h"
 #include "tests/check.h"
 #include "tests/folder.h"
@@ -123,8 +119,7 @@ static void refused(void)
          ":3: E and k_n or k_s of a wall; keep one"},
         {"contacts_file = \"c.tsv\";", "contacts_file: needs particles_file"},
         {"fill = ( { N = 3; W = 3.0; H = 3.0; seed = 2; }, { N = 3; W = 3.0; H = 3.0; run = 2; } ); phases = "
-         "( { name "
-         "= \"a\"; steps = 1; } );",
+         "( { name = \"a\"; steps = 1; } );",
          ":2: run: of the first fill"},
         {"colour = 1;", ":2: colour: unknown key"},
         {"partcles = 1;", ":2: partcles: unknown key (did you mean \"particles\"?)"},
@@ -172,8 +167,8 @@ static void refused(void)
          ":2: radii: [-0.1, 1]: a radius above 0 and a share expected"},
         {"steps = -3;", ":2: steps = -3: out of range"}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        char text[512];
-        snprintf(text, sizeof text, "particles = ( { x = 0.0; y = 0.5; r = 0.1; } );\n%s\n", cases[k].change);
+        const char *text =
+            check_text("particles = ( { x = 0.0; y = 0.5; r = 0.1; } );\n%s\n", cases[k].change);
         grains_refused(text, NULL, cases[k].message);
     }
     static const char *const whole[][2] = {
@@ -283,10 +278,8 @@ static void particles_from_table(void)
     grains_refused(text, NULL, ":2: fixed = 2: 0, 1, true or false expected");
     static const char *const bad[] = {"-0.1", "0"};
     for (int k = 0; k < 2; k++) {
-        char says[40];
         file_print(table, "# x y r\n0.5 0.7 %s\n", bad[k]);
-        snprintf(says, sizeof says, ":2: r = %s: out of range", bad[k]);
-        grains_refused(text, NULL, says);
+        grains_refused(text, NULL, check_text(":2: r = %s: out of range", bad[k]));
     }
     folder_remove(folder);
 }
@@ -398,10 +391,7 @@ static void listed_overlaps(void)
         scoped_scene s = {0};
         scoped_sim *sim = NULL;
         CHECK_OK(grains_read(text, &cases[k].changes, &s));
-        if (cases[k].message)
-            CHECK_FAILS(dem_scene_start(&s, &sim), RP_BAD_INPUT, cases[k].message);
-        else
-            CHECK_OK(dem_scene_start(&s, &sim));
+        CHECK_FAILS_IF(cases[k].message, dem_scene_start(&s, &sim), RP_BAD_INPUT, cases[k].message);
     }
 }
 
@@ -523,17 +513,12 @@ static void energy_of_few(void)
 {
     const dem_grain grains[2] = {{.x = 0.5, .r = 0.1, .m = 3.0, .vx = 100.0},
                                  {.x = 0.0, .r = 0.1, .m = 5.0, .vx = 100.0}};
-    dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0, def.x_max = 1.0;
-    def.grains = grains, def.n_grains = 2;
+    dem_definition def = grains_afloat(2, grains);
+    def.x_max = 1.0;
     scoped_sim *sim = grains_start(&def);
     for (int left = 0; left < 3; left++) {
-        scoped char *text = NULL;
-        size_t size;
         double v[8] = {0.0};
-        FILE *out = open_memstream(&text, &size);
-        CHECK_OK(dem_write_rows(DEM_TABLE_ENERGY, sim, out));
-        fclose(out);
+        CHECK_WRITTEN(text, out, CHECK_OK(dem_write_rows(DEM_TABLE_ENERGY, sim, out)));
         char *at = text;
         for (int c = 0; c < 8; c++) v[c] = strtod(at, &at);
         const double kinetic[] = {4e4, 2.5e4, 0.0};

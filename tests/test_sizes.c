@@ -1,7 +1,5 @@
 /* Grains of very different size: the search by size makes the list of the plain search, in the same order. */
 #include <gsl/gsl_randist.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "dem/state/state.h"
 #include "tests/check.h"
@@ -11,8 +9,7 @@
 
 static const double PLAIN = INFINITY, BY_SIZE = 0.0; /* most tests of a grain in the plain search */
 
-/* The first grain is the largest, of radius 1; areas of all ranges of log r are the same. Their box is about
- * half full. */
+/* The first grain is the largest, of radius 1; areas of all ranges of log r are equal. A half full box. */
 static dem_definition mixture(long n, double ratio, unsigned long seed, double *width, dem_grain **grains)
 {
     dem_definition def = dem_definition_default();
@@ -79,13 +76,12 @@ static void lists(void)
 /* By size from as many tests on as it takes as long: not in a box of equal grains. */
 static void choice(void)
 {
-    dem_grain *grains;
     double width;
     for (int k = 0; k < 2; k++) {
+        scoped dem_grain *grains = NULL;
         const dem_definition def = mixture(2000, k ? 30.0 : 1.2, 7, &width, &grains);
         scoped_sim *sim = grains_start(&def);
         CU_ASSERT((sim->list.sizes != NULL) == (k == 1));
-        free(grains);
     }
 }
 

@@ -3,8 +3,6 @@
 #include <fcntl.h>
 #include <limits.h>
 #include <signal.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
@@ -17,10 +15,7 @@
 
 #include "core/clock.h"
 #include "core/snapshot.h"
-#include "dem/dem.h"
 #include "sweeps/engine/keep.h"
-#include "sweeps/protocols/protocols.h"
-#include "tests/check.h"
 #include "tests/faults.h"
 #include "tests/folder.h"
 #include "tests/grains.h"
@@ -226,24 +221,22 @@ static dem_sim *write_small(long steps)
     def.n_grains = 10;
     dem_sim *sim = grains_start(&def);
     advance(sim, steps);
-    rp_snapshot s = {0};
+    RP_ENDS(rp_snapshot_free) rp_snapshot s = {0};
     dem_keep(&s, &sim);
     CHECK_OK(rp_snapshot_write(&s, in_folder("s"), "test", dem_keep_layout()));
-    rp_snapshot_free(&s);
     return sim;
 }
 
 /* Read the file s. */
 static rp_status read_small(const char *owner, uint64_t layout, dem_sim **sim)
 {
-    rp_snapshot s;
+    RP_ENDS(rp_snapshot_free) rp_snapshot s;
     rp_status status = rp_snapshot_read(&s, in_folder("s"), owner, layout);
     *sim = NULL;
     if (!status) {
         dem_keep(&s, sim);
         status = rp_snapshot_end(&s);
     }
-    rp_snapshot_free(&s);
     return status;
 }
 
@@ -271,7 +264,7 @@ static void damaged_files(void)
 {
     scoped_sim *sim = write_small(50), *copy = NULL;
     size_t n;
-    unsigned char *bytes = file_read(in_folder("s"), &n);
+    scoped unsigned char *bytes = file_read(in_folder("s"), &n);
     CHECK_OK(read_small("test", dem_keep_layout(), &copy));
     CU_ASSERT(same(sim, copy));
     for (size_t k = 0; k < n; k += k < HEAD + 20 || k > n - 20 ? 1 : 50) {
@@ -298,7 +291,6 @@ static void damaged_files(void)
     refused("No such file");
     CU_ASSERT(mkdir(in_folder("s"), 0777) == 0);
     refused("not a regular file");
-    free(bytes);
 }
 
 static void foreign_files(void)
@@ -327,7 +319,7 @@ static void impossible_states(void)
     dem_definition def = scene_of(LEDGER | GRAVITY_TURNS | FIXED);
     dem_sim *sim = grains_start(&def), *copy = sim;
     advance(sim, HALF);
-    rp_snapshot s = {0};
+    RP_ENDS(rp_snapshot_free) rp_snapshot s = {0};
     dem_keep(&s, &copy);
     size_t refusals = 0;
     s.reading = true, s.path = "memory";
@@ -349,7 +341,6 @@ static void impossible_states(void)
     dem_keep(&s, &copy);
     CU_ASSERT(s.status == RP_BAD_INPUT && !copy);
     CU_ASSERT_STRING_EQUAL(rp_message(), "memory: its state ends too early");
-    rp_snapshot_free(&s);
     dem_free(sim);
 }
 
@@ -358,7 +349,7 @@ static void full_disk(void)
 {
     scoped_sim *sim = write_small(20), *copy = NULL;
     const struct rlimit little = {2000, RLIM_INFINITY}, all = {RLIM_INFINITY, RLIM_INFINITY};
-    rp_snapshot s = {0};
+    RP_ENDS(rp_snapshot_free) rp_snapshot s = {0};
     advance(sim, 20);
     dem_keep(&s, &sim);
     signal(SIGXFSZ, SIG_IGN);
@@ -367,7 +358,6 @@ static void full_disk(void)
                 "cannot write: File too large");
     setrlimit(RLIMIT_FSIZE, &all);
     CHECK_FAILS(rp_snapshot_write(&s, in_folder("none/s"), "test", dem_keep_layout()), RP_IO, "No such file");
-    rp_snapshot_free(&s);
     CHECK_OK(read_small("test", dem_keep_layout(), &copy));
     CU_ASSERT(dem_step(copy) == 20);
     SHELL("test \"$(ls -I out -I err)\" = s");
@@ -416,9 +406,8 @@ static void killed_runs(void)
         for (int ms = check_fast() ? 300 : 15 + 7 * k; status != 0 || attempts == 0; ms = ms * 6 / 5) {
             status = shell_line(
                 "go='run --resume d'; " /* removed here: a killed shell leaves its children behind */
-                "test -e d/unfinished/snapshot || grep -q '^+' d/.repose || { rm -rf d; "
-                "go='run s.cfg --every 70 -o d --dump xyz --snapshot 100'; }; "
-                "timeout -s %s %d.%03d \"$REPOSE\" $go 2>err",
+                "test -e d/unfinished/snapshot || grep -q '^+' d/.repose || { rm -rf d; go='run s.cfg "
+                "--every 70 -o d --dump xyz --snapshot 100'; }; timeout -s %s %d.%03d \"$REPOSE\" $go 2>err",
                 k % 2 ? "KILL" : "TERM", ms / 1000, ms % 1000);
             if (++attempts == 40) break;
         }
@@ -450,11 +439,10 @@ static void changed_tables(void)
                                        "sed -i s/model/nodel/ d/unfinished/walls.tsv"};
     write_scene();
     for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
-        const int end = shell_line(
-            "rm -rf d; "
-            "\"$REPOSE\" run s.cfg --every 70 --snapshot 1000 --set steps=30000 -o d 2>err & until test -s "
-            "d/unfinished/snapshot; do sleep 0.01; done; %s; wait $!",
-            list[k]);
+        const int end =
+            shell_line("rm -rf d; \"$REPOSE\" run s.cfg --every 70 --snapshot 1000 --set steps=30000 -o d "
+                       "2>err & until test -s d/unfinished/snapshot; do sleep 0.01; done; %s; wait $!",
+                       list[k]);
         CU_ASSERT(end == 74);
         CHECK_PARTS(err, strrchr(list[k], '/') + 1);
         CU_ASSERT(shell("ls d/*.tsv 2>ls") != 0);
@@ -468,17 +456,15 @@ static void refused_resumes(void)
     SHELL("cp -r d good");
     static const struct {
         const char *change, *text;
-    } list[] = {
-        {"rm -r d/unfinished", "d: no unfinished run"},
-        {"rm d/unfinished/snapshot", "d/unfinished/snapshot: cannot read: No such file"},
-        {"printf x | dd of=d/unfinished/snapshot bs=1 seek=3000 conv=notrunc 2>dd",
-         "damaged: its checksum is wrong"},
-        {"truncate -s 3000 d/unfinished/snapshot", "truncated: "},
-        {"rm d/unfinished/energy.tsv", "d/unfinished/energy.tsv: cannot open: No such file"},
-        {"truncate -s 300 d/unfinished/energy.tsv", "energy.tsv: shorter than at the snapshot"},
-        {"sed -i s/model/nodel/ d/unfinished/states.tsv",
-         "d/unfinished/states.tsv: not the table that the snapshot was written with"},
-    };
+    } list[] = {{"rm -r d/unfinished", "d: no unfinished run"},
+                {"rm d/unfinished/snapshot", "d/unfinished/snapshot: cannot read: No such file"},
+                {"printf x | dd of=d/unfinished/snapshot bs=1 seek=3000 conv=notrunc 2>dd",
+                 "damaged: its checksum is wrong"},
+                {"truncate -s 3000 d/unfinished/snapshot", "truncated: "},
+                {"rm d/unfinished/energy.tsv", "d/unfinished/energy.tsv: cannot open: No such file"},
+                {"truncate -s 300 d/unfinished/energy.tsv", "energy.tsv: shorter than at the snapshot"},
+                {"sed -i s/model/nodel/ d/unfinished/states.tsv",
+                 "d/unfinished/states.tsv: not the table that the snapshot was written with"}};
     for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
         CU_ASSERT(shell_line("rm -rf d && cp -r good d && %s", list[k].change) == 0);
         FAILS(65, list[k].text, "run --resume d");
@@ -526,8 +512,7 @@ static int run_killed(const sweep_protocol *protocol, const void *params, double
                       sweep_result *result)
 {
     enum { MOST = 400 };
-    char path[256];
-    snprintf(path, sizeof path, "%s", in_folder("snapshot"));
+    const char *path = check_text("%s", in_folder("snapshot"));
     sweep_result *shared =
         mmap(NULL, sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     int status = -1, runs = 0;
@@ -563,9 +548,9 @@ static int run_killed(const sweep_protocol *protocol, const void *params, double
 static void stop_at_once(const sweep_protocol *protocol, const void *params)
 {
     static const volatile bool stop = true;
-    char path[256], why[32];
+    char why[32];
     sweep_result result;
-    snprintf(path, sizeof path, "%s", in_folder("snapshot"));
+    const char *path = check_text("%s", in_folder("snapshot"));
     sweep_keep keep = {.path = path, .key = "test", .interval = INFINITY, .stop = &stop};
     sweep_keep_begin(&keep, why, sizeof why);
     CU_ASSERT(protocol->run(params, 7, 1, &(sweep_tables){.keep = &keep}, &result) == RP_STOPPED);
@@ -650,8 +635,7 @@ static double time_of(const char *line)
     return rp_clock() - begin;
 }
 
-/* Of fault_watch: what is done with the files of a folder, f: a file is synced, r: renamed, d: the folder is
- * synced. */
+/* Of fault_watch: what is done with the files of a folder, f: a file synced, r: renamed, d: folder synced. */
 static char done[16];
 
 static void note_done(const char *call, int file, const char *from, const char *to)
@@ -668,7 +652,7 @@ static void note_done(const char *call, int file, const char *from, const char *
 /* A snapshot is on the disk, and then its name is. */
 static void synced(void)
 {
-    rp_snapshot s = {0};
+    RP_ENDS(rp_snapshot_free) rp_snapshot s = {0};
     long step = 7;
     RP_KEEP(&s, step);
     *done = '\0';
@@ -676,7 +660,6 @@ static void synced(void)
     CHECK_OK(rp_snapshot_write(&s, in_folder("s"), "test", 1));
     fault_watch = NULL;
     CU_ASSERT_STRING_EQUAL(done, "frd");
-    rp_snapshot_free(&s);
 }
 
 /* Of fault_watch: that snapshot of a run before which its whole sweep is killed. */
@@ -730,8 +713,7 @@ static void sweep_rows(void)
  * Its last status; *kept: how often `left` was there after a stop. */
 static int stop_until_done(const char *arguments, double seconds, const char *left, int *kept)
 {
-    char seen[256];
-    snprintf(seen, sizeof seen, "ls %s >kept 2>&1", left);
+    const char *seen = check_text("ls %s >kept 2>&1", left);
     int status = 75;
     for (double wait = seconds / 10.0; status != 0 && wait < 60.0; wait *= 1.25) {
         status =

@@ -1,8 +1,5 @@
 /* Soft particles on a ground, and how hard collisions become soft contacts: against closed forms. Lengths in
  * diameters, masses in those of a disk, g = 1. */
-#include <stdlib.h>
-
-#include "dem/dem.h"
 #include "dem/law/bodies.h"
 #include "dem/law/law.h"
 #include "tests/check.h"
@@ -637,7 +634,7 @@ static dem_sim *falling_disks(dem_definition *def)
 static void pile_of_disks(void)
 {
     dem_definition def;
-    dem_sim *sim = falling_disks(&def), *copy;
+    scoped_sim *sim = falling_disks(&def), *copy = NULL;
     double last = grains_energy(sim);
     const double first = last;
     for (int k = 0; k < 60; k++) {
@@ -652,13 +649,11 @@ static void pile_of_disks(void)
     scoped dem_contact *list = grains_contacts(sim, &n);
     for (size_t k = 0; k < n; k++) wells += list[k].well == DEM_WELL_HOLDS;
     CU_ASSERT(wells > 3);
-    dem_free(copy);
     GRAINS_EACH_KERNEL (kernel, DEM_REFERENCE) {
         def.kernel = kernel;
         scoped_sim *other = grains_after(&def, 6000);
         CU_ASSERT(grains_same_bits(sim, other));
     }
-    dem_free(sim);
 }
 
 /* Ranges of numbers are in the suite `dem`. */
@@ -666,7 +661,7 @@ static void refused(void)
 {
     const dem_grain grain = resting();
     dem_definition def = on_ground(&grain, 1), bad;
-    dem_sim *sim;
+    scoped_sim *sim = NULL;
     def.hard = (dem_hard){true, 0.5, 0.3};
 #define REFUSES(change, text)                                                                                \
     do {                                                                                                     \
@@ -692,7 +687,6 @@ static void refused(void)
     CHECK_FAILS(dem_run(sim, 1), RP_BROKEN,
                 "too_fast at step 0: grain 1: moves beyond its margin of the neighbour list, 0.1, in");
     CU_ASSERT(dem_sim_fault(sim) == DEM_FAULT_TOO_FAST);
-    dem_free(sim);
     /* all kernels report the same one of several */
     dem_grain all[21];
     for (int i = 0; i < 21; i++)

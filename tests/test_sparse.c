@@ -1,7 +1,6 @@
 /* Sparse stiffness matrices: factorised, updated and solved, against plain matrices. */
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_math.h>
-#include <gsl/gsl_rng.h>
 
 #include "core/sparse.h"
 #include "tests/check.h"

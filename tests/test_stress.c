@@ -3,13 +3,9 @@
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_fit.h>
 #include <gsl/gsl_sort.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "analytic/analytic.h"
 #include "stress/stress.h"
-#include "dem/dem.h"
-#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/numbers.h"
@@ -536,9 +532,7 @@ static void check_motion(unsigned long pile, const sweep_result *r)
     CHECK_OK(dem_run(sim, lround(100.0 * theta_deg) - 100));
     read_motion(sim, n, at, &m);
     for (int zone = 0; zone < ZONES; zone++) {
-        char name[32];
-        snprintf(name, sizeof name, "moved_%s_%d", layers[zone % 3], zone / 3 + 1);
-        const double share = protocol_output(p, r, name);
+        const double share = protocol_output(p, r, check_text("moved_%s_%d", layers[zone % 3], zone / 3 + 1));
         CU_ASSERT(m.all[zone] > 0.0 ? fabs(share - m.moved[zone] / m.all[zone]) < tight : isnan(share));
     }
 }

@@ -1,11 +1,8 @@
 /* The sweep driver with toy protocols: plans, resume, crashes, determinism, tables, and every bad input. */
 #include <fcntl.h>
-#include <gsl/gsl_rng.h>
 #include <limits.h>
 #include <signal.h>
 #include <sqlite3.h>
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 #include <sys/resource.h>
 #include <sys/mman.h>
@@ -24,7 +21,6 @@
 #include "sweeps/engine/keep.h"
 #include "sweeps/engine/private.h"
 #include "sweeps/engine/physics.h"
-#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/protocol.h"
 #include "tests/folder.h"
@@ -270,13 +266,12 @@ static double number(const rp_table *t, size_t row, const char *name)
 /* Store a row in a folder as the driver does. */
 static rp_status put_row_in(const char *folder, const sweep_row *row)
 {
-    sweep_plan plan;
+    RP_ENDS(sweep_plan_free) sweep_plan plan;
     sweep_store *opened = NULL;
     rp_status status = sweep_plan_read(folder_path(folder, "sweep.cfg"), toys, &plan);
     if (!status) status = sweep_store_open(folder_path(folder, "store.sqlite"), SWEEP_WRITE, &opened);
     if (!status) status = sweep_store_insert(opened, &plan, row);
     sweep_store_close(opened);
-    sweep_plan_free(&plan);
     return status;
 }
 
@@ -324,21 +319,18 @@ static void test_order(void)
 #define X "(parameters ->> 'x')"
 #define K "(parameters ->> 'k')"
 
+/* Lists that go together, alone and in groups of which the last is the fastest. */
 static void test_bundles(void)
-{
-    made_by(1, "replicas = 1;\n"
-               "grid = ( { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; }, { mass = [1.0, 3.0]; } );");
-    CU_ASSERT(c.planned == 6);
-    /* 2 (4.5 + 12 + 17.5) times 1 + 3; the last group is the fastest */
-    CU_ASSERT(sql_number("SELECT 2 * sum(" X " * " K " * (parameters ->> 'mass')) FROM runs") == 68 * 4);
-    CU_ASSERT(sql_number("SELECT 2 * " X " * (parameters ->> 'mass') FROM runs WHERE run = 3") == 9);
-}
-
-static void test_zip(void)
 {
     made_by(1, "replicas = 1; zip = true; grid = { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; };");
     CU_ASSERT(c.planned == 3);
     CU_ASSERT(sql_number("SELECT 2 * sum(" X " * " K ") FROM runs") == 68); /* 2 (4.5 + 12 + 17.5) */
+    made_by(1, "replicas = 1;\n"
+               "grid = ( { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; }, { mass = [1.0, 3.0]; } );");
+    CU_ASSERT(c.planned == 6);
+    CU_ASSERT(sql_number("SELECT 2 * sum(" X " * " K " * (parameters ->> 'mass')) FROM runs") ==
+              68 * (1 + 3));
+    CU_ASSERT(sql_number("SELECT 2 * " X " * (parameters ->> 'mass') FROM runs WHERE run = 3") == 9);
 }
 
 /* Replica k of every grid point has the same streams, those of the file's seed. */
@@ -346,8 +338,7 @@ static void test_shared_piles(void)
 {
     made_by(1, "replicas = 3; seed = 77; grid = { x = [0.125, 2.385]; };");
     const char *own = digest(6);
-    write_sweep("replicas = 3; seed = 77; piles = \"shared\";"
-                "grid = { x = [0.125, 2.385]; };");
+    write_sweep("replicas = 3; seed = 77; piles = \"shared\";grid = { x = [0.125, 2.385]; };");
     CHECK_OK(prepare());
     CU_ASSERT(c.planned == 6 && c.stored == 0);
     CHECK_OK(run(2));
@@ -393,11 +384,10 @@ static void test_digest_of_plan(void)
     char digests[N][33];
     fresh("");
     for (size_t i = 0; i < N; i++) {
-        sweep_plan plan;
-        file_print(file, "protocol = \"toy\"; %s", texts[i]);
+        RP_ENDS(sweep_plan_free) sweep_plan plan;
+        write_sweep(texts[i]);
         CHECK_OK(sweep_plan_read(file, toys, &plan));
         memcpy(digests[i], plan.hash, sizeof digests[i]);
-        sweep_plan_free(&plan);
         for (size_t j = 0; j < i; j++) CU_ASSERT_STRING_NOT_EQUAL(digests[i], digests[j]);
     }
 }
@@ -419,8 +409,7 @@ static void test_growing(void)
         {"replicas = 5; grid = { x = [7.5, 2.385, 0.125, 1.5]; k = [3, 4]; };", 40, 20, "3"},
         {"replicas = 5; grid = { k = [4, 3]; x = [7.5, 2.385, 0.125, 1.5]; };", 40, 40, "3"},
         {"replicas = 5; grid = ({ k = [4, 3]; x = [1.5, 2.385]; }, { odd = [false, true]; });", 20, 10, "3"},
-        {"replicas = 2; fixed = { k = 3; }; grid = { x = [0.125, 2.385]; };", 4, 4, NULL},
-    };
+        {"replicas = 2; fixed = { k = 3; }; grid = { x = [0.125, 2.385]; };", 4, 4, NULL}};
     fresh("");
     double first = NAN;
     for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
@@ -441,8 +430,7 @@ static void test_growing(void)
 /* Student's t for 3 degrees of freedom at 97.5 %: 3.182446305284263 (tables). */
 static void test_reduce(void)
 {
-    made_by(2, "replicas = 8; piles = \"shared\";"
-               "grid = { mode = [\"half_no_pile\"]; x = [1.25, 2.75]; };");
+    made_by(2, "replicas = 8; piles = \"shared\";grid = { mode = [\"half_no_pile\"]; x = [1.25, 2.75]; };");
     sql("DELETE FROM runs WHERE run = 14"); /* one result of the second point is missing */
     scoped_table t = exported(SWEEP_POINTS);
     CU_ASSERT_FATAL(t.n_rows == 2);
@@ -627,10 +615,7 @@ static void test_limits(void)
         const sweep_options o = {.workers = 2, .memory = limits[k]};
         if (isnormal(limits[k]) && check_fast()) continue; /* a sanitizer takes memory of its own */
         planned("replicas = 4; fixed = { mode = \"take\"; k = 30; };");
-        if (fails)
-            CHECK_FAILS(sweep_run(dir, toys, &o, &c), RP_NO_RESULT, "(no_memory 4)");
-        else
-            CHECK_OK(sweep_run(dir, toys, &o, &c));
+        CHECK_FAILS_IF(fails, sweep_run(dir, toys, &o, &c), RP_NO_RESULT, "(no_memory 4)");
         CU_ASSERT(fails || sql_number("SELECT count(*) FROM runs WHERE y_deg = 1") == 4);
     }
 }
@@ -735,10 +720,9 @@ static void test_damaged_rows(void)
 static void test_makers(void)
 {
     static const char program[] = "repose 0.1.9, commit 0123abc-dirty, gcc 9";
-    char plain[300];
     planned("replicas = 4; fixed = { x = 2.385; };");
     CHECK_OK(sweep_prepare(file, other, 0, toys, NULL, &c));
-    sweep_plan plan;
+    RP_ENDS(sweep_plan_free) sweep_plan plan;
     sweep_store *opened;
     CHECK_OK(sweep_plan_read(file, toys, &plan));
     CHECK_OK(sweep_store_open(folder_path(other, "store.sqlite"), SWEEP_WRITE, &opened));
@@ -748,12 +732,11 @@ static void test_makers(void)
         CHECK_OK(sweep_store_insert(opened, &plan, &row));
     }
     sweep_store_close(opened);
-    sweep_plan_free(&plan);
     CHECK_OK(sweep_merge(dir, toys, 1, others, &m, &c));
     CHECK_OK(run(1));
     scoped char *text = protocol_export(dir, toys, SWEEP_RUNS);
-    snprintf(plain, sizeof plain, "# runs made by: repose %s, commit %s, %s (2)\n", RP_VERSION,
-             rp_build_commit, rp_build_compiler);
+    const char *plain = check_text("# runs made by: repose %s, commit %s, %s (2)\n", RP_VERSION,
+                                   rp_build_commit, rp_build_compiler);
     CHECK_PARTS(text, "# runs made by: repose 0.1.9, commit 0123abc-dirty, gcc 9 (2)\n", plain);
 }
 
@@ -1136,13 +1119,13 @@ static void keep_both(rp_snapshot *s, void *data)
 /* A snapshot is written when it is due or asked for; a later process gets what it holds. */
 static void test_keep(void)
 {
-    char path[128], unfinished[136], why[256];
+    char path[128], why[256];
     volatile bool stop = true;
     kept_pair now = {2.5, tmpfile()}, later = {0.0, tmpfile()};
     sweep_keep k;
     fresh("");
     snprintf(path, sizeof path, "%s/kept", base);
-    snprintf(unfinished, sizeof unfinished, "%s.new", path);
+    const char *unfinished = check_text("%s.new", path);
     fputs("two rows\n", now.table);
     begin_keep(&k, path, "run 5", why);
     CU_ASSERT(!*why);
@@ -1438,7 +1421,7 @@ static void test_known_keys(void)
                  {7, "0f71a8037579f2aa919023e12d5b21de", {285264182, 1505012168, 3156239277690893}},
                  {11, "afb060fad7a893b1f667546baf0cc1b8", {971569046, 562762702, 1180198924689040}}};
     char text[256];
-    sweep_plan plan;
+    RP_ENDS(sweep_plan_free) sweep_plan plan;
     fresh(
         "replicas = 2; seed = 77; fixed = { k = 5; odd = true; };\n"
         "grid = ( { x = [0.5, -1.5]; mass = [1.0, 2.5]; }, { mode = [\"plain\", \"slow\", \"crash\"]; } );");
@@ -1457,7 +1440,6 @@ static void test_known_keys(void)
                            "x = -1.5, mass = 2.5, mode = slow");
     CU_ASSERT_STRING_EQUAL(sweep_plan_parameters(&plan, 4, text, sizeof text),
                            "{\"k\":5,\"odd\":\"true\",\"x\":-1.5,\"mass\":2.5,\"mode\":\"slow\"}");
-    sweep_plan_free(&plan);
 }
 
 /* The digest is that of parameters and streams, status and outputs of the rows in their order, a missing
@@ -1465,7 +1447,7 @@ static void test_known_keys(void)
 static void test_digest_of_rows(void)
 {
     char expected[33], setting[33];
-    sweep_plan plan;
+    RP_ENDS(sweep_plan_free) sweep_plan plan;
     size_t n = 0;
     made_by(1, "replicas = 5; seed = 77; grid = { x = [0.125, -1.5]; };");
     sqlite3_stmt *q = query("SELECT status, y_deg, never FROM runs ORDER BY run");
@@ -1484,7 +1466,6 @@ static void test_digest_of_rows(void)
     finish(q);
     rp_hash_digits(XXH3_128bits_digest(hash), expected);
     XXH3_freeState(hash);
-    sweep_plan_free(&plan);
     CU_ASSERT_STRING_EQUAL(digest(10), expected);
     CHECK_OK(sweep_prepare(file, dir, 0, changed, NULL, &c));
     CU_ASSERT(c.stored == 0);
@@ -1520,7 +1501,7 @@ static void check_columns(sqlite3_stmt *q, const sweep_plan *plan, size_t run)
 
 static void test_stored_columns(void)
 {
-    sweep_plan plan;
+    RP_ENDS(sweep_plan_free) sweep_plan plan;
     made_by(1, "replicas = 2; seed = 77; piles = \"shared\"; grid = { x = [0.125, -1.5]; };");
     CHECK_OK(sweep_plan_read(file, toys, &plan));
     sqlite3_stmt *q = query("SELECT key, status, message, program, parameters, seed, model, pile, seconds, "
@@ -1529,7 +1510,6 @@ static void test_stored_columns(void)
     while (sqlite3_step(q) == SQLITE_ROW) check_columns(q, &plan, n++);
     finish(q);
     CU_ASSERT_EQUAL(n, 4);
-    sweep_plan_free(&plan);
 }
 
 /* A store is being written if its last sign of life is less than a minute old, by any clock. */
@@ -1569,16 +1549,12 @@ static void test_recipes(void)
                  {"study = 3;", "neither a protocol nor an experiment nor a model", 0}};
     fresh("");
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        sweep_recipe r;
+        RP_ENDS(sweep_recipe_free) sweep_recipe r;
         file_print(file, "%s", cases[k].text);
-        if (cases[k].message)
-            CHECK_FAILS(sweep_recipe_read(file, &r), RP_BAD_INPUT, cases[k].message);
-        else
-            CHECK_OK(sweep_recipe_read(file, &r));
+        CHECK_FAILS_IF(cases[k].message, sweep_recipe_read(file, &r), RP_BAD_INPUT, cases[k].message);
         CU_ASSERT_STRING_EQUAL(r.name, "s");
         CU_ASSERT(cases[k].message || r.study == cases[k].study);
         CU_ASSERT(cases[k].message || r.has_runs == (strncmp(cases[k].text, "protocol", 8) == 0));
-        sweep_recipe_free(&r);
     }
 }
 
@@ -1730,7 +1706,7 @@ static void test_columns(void)
     }
 }
 
-CHECK_SUITE_WITHIN(sweep, "sweep", NULL, clean, test_order, test_zip, test_bundles, test_shared_piles,
+CHECK_SUITE_WITHIN(sweep, "sweep", NULL, clean, test_order, test_bundles, test_shared_piles,
                    test_digest_of_plan, test_growing, test_reduce, test_statuses, test_stored_once,
                    test_digest, test_stop, test_crash, test_plan_again, test_further_output,
                    test_fingerprint_words, test_bad_files, test_bad_folders, test_limits, test_failed_drives,

@@ -1,9 +1,5 @@
 /* Threads in one pile: a run has the same bits with any number of them. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "dem/state/state.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/program.h"
 

@@ -1,13 +1,8 @@
 /* Walls that move, and walls of many sides: closed forms, changes of frame, corners, and equal bits. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "core/random.h"
 #include "core/snapshot.h"
 #include "dem/setup/definition.h"
-#include "dem/scene/scene.h"
 #include "dem/forces/forces.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/program.h"
 
@@ -24,14 +19,13 @@ static void piston(void)
     static const double V = 80.0;
     for (int hard = 0; hard < 2; hard++) {
         dem_grain grain = {.x = 3.0, .y = 0.7, .r = R, .m = M};
-        dem_definition def = dem_definition_default();
-        def.gravity[1] = 0.0, def.normal = DEM_LINEAR;
-        def.material.k_n = 1e4, def.material.gamma_n = 300.0;
+        dem_definition def = grains_afloat(1, &grain);
+        def.normal = DEM_LINEAR, def.material.k_n = 1e4, def.material.gamma_n = 300.0;
         def.dt = hard ? 5e-5 : 2e-6;
         def.tension = !hard;
         if (hard) def.hard = (dem_hard){true, 0.7, 0.0};
         def.ledger = true;
-        grains_on_floor(&def, 1, &grain);
+        def.n_walls = 1;
         def.walls[0] = grains_line(0.0, 0.0, 1.0, 0.0, &def.material);
         def.walls[0].velocity[0] = V;
         dem_collision_result impact = {.restitution = 0.7};
@@ -107,12 +101,9 @@ static void lines_of_walls(void)
 {
     static const double DT = 0x1p-10, FAR = 7.0, SKIN = 0.25;
     dem_grain grain = {.x = 9.0, .y = 9.0, .r = R, .m = M};
-    dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0;
+    dem_definition def = grains_afloat(1, &grain);
     def.material = (dem_material){.k_n = 1e-9, .k_s = 1e-9};
-    def.dt = DT, def.skin = SKIN;
-    grains_on_floor(&def, 1, &grain);
-    def.n_walls = 5;
+    def.dt = DT, def.skin = SKIN, def.n_walls = 5;
     /* the tangent is (0.8, -0.6): ends at (0.8, 0.8) and (2.4, -0.4), or at (0, 1.4) and (1.6, 0.2) */
     static const double extent[5][2] = {
         {-0.5, 1.5}, {-1.5, 0.5}, {-INFINITY, INFINITY}, {-0.5, INFINITY}, {-0.5, 1.5}};
@@ -289,7 +280,7 @@ static const char *const DRUM =
     "fill = { N = 50; W = 1.2; H = 1.0; x0 = -0.3; y0 = -0.5; radius_mean = 0.05; radius_min = 0.04;\n"
     "radius_max = 0.06; };\n";
 
-static dem_sim *drum(dem_kernel_choice kernel, bool ledger, dem_integrator integrator)
+static dem_sim *drum(dem_kernel_choice kernel, bool ledger, dem_integrator integrator, long steps)
 {
     scoped_scene scene = {0};
     dem_sim *sim = NULL;
@@ -301,6 +292,7 @@ static dem_sim *drum(dem_kernel_choice kernel, bool ledger, dem_integrator integ
     CU_ASSERT_EQUAL(scene.def.n_walls, 67);
     CHECK_OK(dem_scene_start(&scene, &sim));
     CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
+    CHECK_OK(dem_run(sim, steps));
     return sim;
 }
 
@@ -308,8 +300,7 @@ static dem_sim *drum(dem_kernel_choice kernel, bool ledger, dem_integrator integ
 static void drum_ledger(void)
 {
     for (int k = 0; k < 2; k++) {
-        scoped_sim *sim = drum(DEM_FAST, true, k ? DEM_GEAR5 : DEM_VERLET);
-        CHECK_OK(dem_run(sim, 1500));
+        scoped_sim *sim = drum(DEM_FAST, true, k ? DEM_GEAR5 : DEM_VERLET, 1500);
         const dem_ledger l = grains_ledger(sim);
         CHECK_NEAR(l.residual, 0.0, 1e-13 * l.turnover);
         CU_ASSERT(fabs(l.wall_work) > 1e-4 * l.turnover && l.sliding > 0.0 && l.normal_damping > 0.0);
@@ -318,11 +309,9 @@ static void drum_ledger(void)
 
 static void drum_kernels(void)
 {
-    scoped_sim *reference = drum(DEM_REFERENCE, false, DEM_VERLET);
-    CHECK_OK(dem_run(reference, 1500));
+    scoped_sim *reference = drum(DEM_REFERENCE, false, DEM_VERLET, 1500);
     GRAINS_EACH_KERNEL (k, DEM_FAST) {
-        scoped_sim *sim = drum(k, false, DEM_VERLET);
-        CHECK_OK(dem_run(sim, 1500));
+        scoped_sim *sim = drum(k, false, DEM_VERLET, 1500);
         CU_ASSERT(grains_same_bits(reference, sim));
     }
 }
@@ -331,8 +320,7 @@ static void drum_kernels(void)
 static void drum_snapshot(void)
 {
     for (int ledger = 0; ledger < 2; ledger++) {
-        dem_sim *sim = drum(DEM_FAST, ledger, DEM_VERLET), *clone;
-        CHECK_OK(dem_run(sim, 6000));
+        dem_sim *sim = drum(DEM_FAST, ledger, DEM_VERLET, 6000), *clone;
         int touching = 0;
         for (uint32_t id = 1; id <= dem_count(sim); id++) touching += dem_contact_count(sim, id);
         CU_ASSERT(touching > 5);
@@ -448,8 +436,7 @@ static void cut_surfaces(void)
         for (int cut = 0; cut < 2; cut++) {
             def.grains = &grain, def.n_grains = 1;
             def.wall_list = cut ? s.cut : s.whole, def.n_walls = cut ? s.n_cut : s.n;
-            scoped_sim *sim = grains_start(&def);
-            CHECK_OK(dem_run(sim, 6000));
+            scoped_sim *sim = grains_after(&def, 6000);
             end[cut] = grains_state_of_one(sim);
         }
         const double size = 1.0 + hypot(end[0].x, end[0].y), v = speed + 60.0;
@@ -775,11 +762,8 @@ static void refused(void)
         {"point = [0.0, 0.0]; direction = [0.0, 1.0]; extent = [0.0, 1.0]; open_at_step = 3;\n"
          "open_speed = 2.0; omega = 1.0;",
          "can only open at once"}};
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        char text[256];
-        snprintf(text, sizeof text, "walls = ( { %s } ); " ONE, cases[k][0]);
-        grains_refused(text, NULL, cases[k][1]);
-    }
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
+        grains_refused(check_text("walls = ( { %s } ); " ONE, cases[k][0]), NULL, cases[k][1]);
 #define FLOOR "{ point = [0.0, 0.0]; direction = [0.0, 1.0]; }"
     static const char *const starts[][2] = {
         /* what lies on a whole line would never act, unless it is alike, or the line opens */

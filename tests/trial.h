@@ -2,11 +2,6 @@
 #ifndef TRIAL_H
 #define TRIAL_H
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "check.h"
 #include "experiment/experiment.h"
 #include "program.h"
 
@@ -94,10 +89,7 @@ static inline void check_refused(size_t n, const trial_change changes[])
         scoped char *text = changed(c->text, c->from, c->to);
         rp_status status = read_text(&t, text);
         if (!status) status = exp_check(t.plan);
-        if (c->expected)
-            CHECK_FAILS(status, RP_BAD_INPUT, c->expected);
-        else
-            CHECK_OK(status);
+        CHECK_FAILS_IF(c->expected, status, RP_BAD_INPUT, c->expected);
     }
 }
 
@@ -137,7 +129,7 @@ static inline void check_same_values(const trial *t, const trial *whole)
 static inline void check_cut(const char *text, const trial *whole, long part, long steps, long then)
 {
     scoped_trial cut, kept;
-    rp_snapshot s = {0};
+    RP_ENDS(rp_snapshot_free) rp_snapshot s = {0};
     start(&cut, text), start(&kept, text);
     while (exp_steps(cut.run) < steps && !exp_done(cut.run)) CHECK_OK(exp_advance(cut.run, part));
     exp_keep(&s, cut.run);
@@ -145,7 +137,6 @@ static inline void check_cut(const char *text, const trial *whole, long part, lo
     s.reading = true;
     exp_keep(&s, kept.run);
     CHECK_OK(rp_snapshot_end(&s));
-    rp_snapshot_free(&s);
     finish(&cut, then);
     finish(&kept, 333);
     check_same_values(&cut, whole), check_same_values(&kept, whole);

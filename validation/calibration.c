@@ -1,9 +1,6 @@
 /* Calibration by real runs: friction, damping and stiffness that are known, found again from impacts of
  * single grains on a floor. One to three names, ten cases each in the full run, which writes a table. */
-#include <stdlib.h>
-
 #include "core/random.h"
-#include "tests/check.h"
 #include "tests/numbers.h"
 #include "tests/program.h"
 

@@ -1,9 +1,7 @@
 /* Cases of validation; see cases.h. */
 #include "validation/cases.h"
 
-#include <math.h>
 #include <stdarg.h>
-#include <stdlib.h>
 
 #include "table/table.h"
 #include "tests/check.h"
@@ -55,8 +53,8 @@ int case_stride(int daily)
 
 void case_write(const char *suite, case_problem *const problems[], size_t n)
 {
-    char name[64], key[80];
-    snprintf(name, sizeof name, "%s_cases", suite);
+    char key[80];
+    const char *name = check_text("%s_cases", suite);
     FILE *out = check_table(suite, NULL),
          *cases = check_table(name, "problem, parameters, quantity, expected, observed, error, bound");
     for (size_t i = 0; i < n && out; i++) {

@@ -2,8 +2,6 @@
  * loop and the number of workers change no bit. */
 #include <gsl/gsl_fit.h>
 #include <gsl/gsl_statistics_double.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "dem/state/state.h"
 #include "sweeps/protocols/protocols.h"

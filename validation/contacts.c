@@ -3,9 +3,7 @@
 #include <float.h>
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
-#include <stdlib.h>
 
-#include "dem/dem.h"
 #include "dem/law/law.h"
 #include "tests/check.h"
 #include "tests/grains.h"

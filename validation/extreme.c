@@ -1,17 +1,12 @@
 /* Stiff and extreme cases, generated: each gives the result of a closed form or a conservation law, or is
  * refused with a message that names the fault; none crashes, hangs or gives a wrong number. One row per case.
  */
-#include <stdlib.h>
-#include <string.h>
-
 #include "analytic/analytic.h"
 #include "angle/angle.h"
 #include "core/clock.h"
-#include "table/table.h"
 #include "dem/law/law.h"
 #include "dem/state/method.h"
 #include "dem/state/state.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/program.h"
 
@@ -345,8 +340,7 @@ static void far_apart(void)
             }
 }
 
-/* The same impact in other units of length, mass and time: the same restitution, and the same overlap in
- * those units. */
+/* The same impact in other units of length, mass and time: restitution and overlap stay the same. */
 static void scaled_units(void)
 {
     const double gamma = 300.0, v = 12.3;
@@ -599,9 +593,8 @@ static void bad_values(void)
             if ((bad[b] == 0.0 && !fields[i].zero_too) ||
                 (isinf(bad[b]) && strncmp(fields[i].name, "mu", 2) == 0))
                 continue;
-            char word[40];
-            snprintf(word, sizeof word, "%s = ", fields[i].name);
-            refuse_value(&def, pair, fields[i].field, bad[b], fields[i].name, word);
+            refuse_value(&def, pair, fields[i].field, bad[b], fields[i].name,
+                         check_text("%s = ", fields[i].name));
         }
     const struct {
         const char *name;
@@ -836,8 +829,7 @@ static void box_shapes(void)
         {4.0, 0.001, 5e-5, -1, "", "N = 0: out of range", 65, false},
         {1.0, 100.0, 5e-5, -1, "", "dt = 5e-05", 65, false},
         {1.0, 100.0, 4e-5, -1, "stop = \"steps\"; fill_steps = 3000; relax_steps = 3000;", NULL, 0, true},
-        {40.0, 4.0, 5e-5, -1, "stop = \"steps\"; fill_steps = 3000; relax_steps = 3000;", NULL, 0, true},
-    };
+        {40.0, 4.0, 5e-5, -1, "stop = \"steps\"; fill_steps = 3000; relax_steps = 3000;", NULL, 0, true}};
     for (size_t i = 0; i < COUNT(boxes); i++) {
         if ((boxes[i].slow && !check_full()) || (check_fast() && !boxes[i].word && i % 3)) continue;
         char count[32] = "";
@@ -868,29 +860,27 @@ static void lines(void)
     const struct {
         const char *line, *word;
         int status;
-    } list[] = {
-        {"lattice --layers 1", "1\t1\t", 0},
-        {"lattice --base 1 --alpha-deg 60", "1\t1\t", 0},
-        {"lattice --base 5 --alpha-deg 0", "alpha-deg = 0", 65},
-        {"lattice --base 5 --alpha-deg 61", "alpha-deg = 61", 65},
-        {"lattice --base 5 --alpha-deg nan", "alpha-deg", 65},
-        {"continuum --alpha-deg 60", "alpha-deg = 60", 65},
-        {"continuum --alpha-deg 0", "alpha-deg = 0", 65},
-        {"continuum --alpha-deg 30 --at 1.1", "at", 65},
-        {"pile --base 0", "base = 0", 65},
-        {"pile --base 5 --alpha-deg 0", "alpha-deg = 0", 65},
-        {"pile --base 5 --eps -1", "eps = -1", 65},
-        {"pile --base 5 --eps 0.2", "eps = 0.2", 65},
-        {"angle tilt --mu 0.2 --theta-r-deg 90", "theta-r-deg = 90", 65},
-        {"angle tilt --mu 0.2 --theta-r-deg 31", "already_unstable", 0},
-        {"angle tilt --mu -1 --theta-r-deg 10", "mu = -1", 65},
-        {"angle tilt --mu infinite --theta-r-deg 10", "no_slide", 0},
-        {"angle marginal --mu nan", "mu", 65},
-        {"tent --outer-deg 0 --inner-deg 45 --x1 0.3", "outer-deg = 0", 65},
-        {"tent --outer-deg 30 --inner-deg 60 --x1 0.3", "inner-deg = 60", 65},
-        {"tent --outer-deg 30 --inner-deg 45 --x1 0.5", "x1 = 0.5", 65},
-        {"tent --outer-deg 1e-9 --inner-deg 59.999 --x1 1e-9 --at 0.5", "0.5\t", 0},
-    };
+    } list[] = {{"lattice --layers 1", "1\t1\t", 0},
+                {"lattice --base 1 --alpha-deg 60", "1\t1\t", 0},
+                {"lattice --base 5 --alpha-deg 0", "alpha-deg = 0", 65},
+                {"lattice --base 5 --alpha-deg 61", "alpha-deg = 61", 65},
+                {"lattice --base 5 --alpha-deg nan", "alpha-deg", 65},
+                {"continuum --alpha-deg 60", "alpha-deg = 60", 65},
+                {"continuum --alpha-deg 0", "alpha-deg = 0", 65},
+                {"continuum --alpha-deg 30 --at 1.1", "at", 65},
+                {"pile --base 0", "base = 0", 65},
+                {"pile --base 5 --alpha-deg 0", "alpha-deg = 0", 65},
+                {"pile --base 5 --eps -1", "eps = -1", 65},
+                {"pile --base 5 --eps 0.2", "eps = 0.2", 65},
+                {"angle tilt --mu 0.2 --theta-r-deg 90", "theta-r-deg = 90", 65},
+                {"angle tilt --mu 0.2 --theta-r-deg 31", "already_unstable", 0},
+                {"angle tilt --mu -1 --theta-r-deg 10", "mu = -1", 65},
+                {"angle tilt --mu infinite --theta-r-deg 10", "no_slide", 0},
+                {"angle marginal --mu nan", "mu", 65},
+                {"tent --outer-deg 0 --inner-deg 45 --x1 0.3", "outer-deg = 0", 65},
+                {"tent --outer-deg 30 --inner-deg 60 --x1 0.3", "inner-deg = 60", 65},
+                {"tent --outer-deg 30 --inner-deg 45 --x1 0.5", "x1 = 0.5", 65},
+                {"tent --outer-deg 1e-9 --inner-deg 59.999 --x1 1e-9 --at 0.5", "0.5\t", 0}};
     for (size_t i = 0; i < COUNT(list); i++) {
         PARAMETERS("repose %s", list[i].line);
         program_refuses("program", PROGRAM("%s", list[i].line), list[i].status, list[i].word);

@@ -4,7 +4,6 @@
 #include <gsl/gsl_sf_gamma.h>
 
 #include "table/table.h"
-#include "dem/dem.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "validation/cases.h"

@@ -1,10 +1,7 @@
 /* Validation of the energy-conserving implicit integrator, Liffman, Chan & Hughes 1992, eq (24): energy over
  * many steps, phase error, cost of its solvers, and piles at the end of damped motion against static
  * solutions. Lengths in diameters, masses in those of a disk, g = 1. */
-#include <stdlib.h>
-
 #include "table/table.h"
-#include "dem/dem.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "validation/solved_pile.h"
@@ -299,11 +296,10 @@ static void strong_dashpots(void)
         double gamma, dt;
     } cases[] = {{2, 11.0, 1.0}, {8, 11.0, 1.0}, {8, 50.0, 1.0}, {8, 11.0, 5.0}};
     for (int i = 0; i < 4; i++) {
-        solved_pile pile = solved_pile_make(cases[i].base, 60.0, 1e-4, 1);
+        RP_ENDS(solved_pile_free) solved_pile pile = solved_pile_make(cases[i].base, 60.0, 1e-4, 1);
         const pile_difference d = relaxed(&pile, DEM_IMPLICIT, cases[i].gamma, cases[i].dt, 2000);
         /* a disk that leaves the ground and returns gets a new well */
         CHECK_PAIRS(1e-5, {d.N, 0.0}, {d.H, 0.0}, {d.contact, 0.0});
-        solved_pile_free(&pile);
     }
 }
 
@@ -315,7 +311,7 @@ static void pile_at_rest(void)
                             "base [disks], disks, eps, N_error [m*g], H_error [m*g], contact_error [m*g], "
                             "position_error [eps*sigma], integrator");
     for (int k = 0; k < (check_full() ? 2 : 1); k++) {
-        solved_pile pile = solved_pile_make(bases[k], 30.0, eps[k], 1);
+        RP_ENDS(solved_pile_free) solved_pile pile = solved_pile_make(bases[k], 30.0, eps[k], 1);
         const double b = (double)bases[k];
         for (int verlet = 0; verlet < 2; verlet++) {
             /* at this gamma the slowest mode, with a wavelength of some four heights, decays fastest */
@@ -326,7 +322,6 @@ static void pile_at_rest(void)
             CHECK_ROW(out, verlet ? "verlet" : "implicit", b, (double)pile.n, pile.eps, d.N, d.H, d.contact,
                       d.position);
         }
-        solved_pile_free(&pile);
     }
     check_table_close(out, "implicit_pile");
 }

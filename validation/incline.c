@@ -1,7 +1,5 @@
 /* Validation of the shear law on a floor: a grain that does not rotate, under inclined gravity. It starts in
  * equilibrium in the normal direction, so that the normal force is m g cos(angle) throughout. */
-
-#include "dem/dem.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "validation/cases.h"

@@ -1,11 +1,9 @@
 /* Validation of the analytic models, of hard collisions and of the static solver, each against an independent
  * result, over many values. */
 #include <float.h>
-#include <stdlib.h>
 
 #include "analytic/analytic.h"
 #include "angle/angle.h"
-#include "dem/dem.h"
 #include "statics/equilibrium.h"
 #include "tests/check.h"
 #include "tests/grains.h"

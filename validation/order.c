@@ -8,8 +8,6 @@
  * first order, a kink (linear law, shear spring) of second, the exponent 3/2 of Hertz of order 5/2. Each
  * factor depends on the phase. */
 #include <gsl/gsl_fit.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "dem/state/method.h"
 #include "tests/check.h"
@@ -34,19 +32,17 @@ static const double R = 0.1, M = 0.00419, V_N = 30.0, V_S = 20.0;
 /* First order also without damping: a shear spring still loaded at the end of contact is a jump, and so is a
  * spring that grows by whole steps from the first one, unless slip resets it. The energy error of the scheme
  * does not contain either error of the dissipative forces: it has the order of a kink. */
-static const law laws[] = {
-    {"hertz_elastic", DEM_HERTZ, 0.0, true, 0.0, 0.0, 0.0, {2.5, 2.0, 2.5}},
-    {"hertz_pulls", DEM_HERTZ, 1500.0, true, 0.0, 0.0, 0.0, {1.0, 1.0, 2.0}},
-    {"hertz_clipped", DEM_HERTZ, 1500.0, false, 0.0, 0.0, 0.0, {1.0, 1.0, 2.0}},
-    {"hertz_sticks", DEM_HERTZ, 0.0, true, 1e4, 0.0, INFINITY, {1.0, 1.0, 1.0}},
-    {"hertz_slips", DEM_HERTZ, 0.0, true, 1e4, 0.0, 0.2, {2.0, 2.0, 2.5}},
-    {"linear_elastic", DEM_LINEAR, 0.0, true, 0.0, 0.0, 0.0, {2.0, 2.0, 2.0}},
-    {"linear_pulls", DEM_LINEAR, 1500.0, true, 0.0, 0.0, 0.0, {1.0, 1.0, 2.0}},
-    {"linear_clipped", DEM_LINEAR, 1500.0, false, 0.0, 0.0, 0.0, {1.0, 1.0, 2.0}},
-    {"linear_sticks", DEM_LINEAR, 0.0, true, 1e4, 0.0, INFINITY, {1.0, 1.0, 1.0}},
-    {"linear_slips", DEM_LINEAR, 0.0, true, 1e4, 0.0, 0.2, {1.0, 1.0, 2.0}},
-    {"paper", DEM_HERTZ, 500.0, true, 1e4, 5.0, 0.2, {1.0, 1.0, 2.0}},
-};
+static const law laws[] = {{"hertz_elastic", DEM_HERTZ, 0.0, true, 0.0, 0.0, 0.0, {2.5, 2.0, 2.5}},
+                           {"hertz_pulls", DEM_HERTZ, 1500.0, true, 0.0, 0.0, 0.0, {1.0, 1.0, 2.0}},
+                           {"hertz_clipped", DEM_HERTZ, 1500.0, false, 0.0, 0.0, 0.0, {1.0, 1.0, 2.0}},
+                           {"hertz_sticks", DEM_HERTZ, 0.0, true, 1e4, 0.0, INFINITY, {1.0, 1.0, 1.0}},
+                           {"hertz_slips", DEM_HERTZ, 0.0, true, 1e4, 0.0, 0.2, {2.0, 2.0, 2.5}},
+                           {"linear_elastic", DEM_LINEAR, 0.0, true, 0.0, 0.0, 0.0, {2.0, 2.0, 2.0}},
+                           {"linear_pulls", DEM_LINEAR, 1500.0, true, 0.0, 0.0, 0.0, {1.0, 1.0, 2.0}},
+                           {"linear_clipped", DEM_LINEAR, 1500.0, false, 0.0, 0.0, 0.0, {1.0, 1.0, 2.0}},
+                           {"linear_sticks", DEM_LINEAR, 0.0, true, 1e4, 0.0, INFINITY, {1.0, 1.0, 1.0}},
+                           {"linear_slips", DEM_LINEAR, 0.0, true, 1e4, 0.0, 0.2, {1.0, 1.0, 2.0}},
+                           {"paper", DEM_HERTZ, 500.0, true, 1e4, 5.0, 0.2, {1.0, 1.0, 2.0}}};
 enum { N_LAWS = sizeof laws / sizeof *laws };
 
 static double stiffness(const law *p)
@@ -408,7 +404,6 @@ static void smooth(void)
     for (int damped = 0; damped < 2; damped++)
         for (int i = 0; i < DEM_INTEGRATORS; i++) {
             double n[MAX_SIZES], error[MAX_SIZES];
-            char name[64];
             int sizes = 0;
             for (double steps = 100.0; steps < 900.0; steps *= 1.5, sizes++) {
                 n[sizes] = steps;
@@ -418,7 +413,7 @@ static void smooth(void)
             const int order = dem_schemes[i]->order[damped];
             if (order > 2) CU_ASSERT(f.slope > order - SAME_ORDER); /* or better */
             if (order <= 2) CHECK_NEAR(f.slope, order, SAME_ORDER);
-            snprintf(name, sizeof name, "%s/%s", damped ? "damped" : "undamped", dem_schemes[i]->name);
+            const char *name = check_text("%s/%s", damped ? "damped" : "undamped", dem_schemes[i]->name);
             CHECK_ROW(table, name, f.slope, f.se);
         }
     check_table_close(table, "order_smooth");

@@ -4,8 +4,6 @@
  */
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "core/clock.h"
 #include "table/table.h"
@@ -75,9 +73,8 @@ static void note_cheapest(FILE *out, const outcomes *o, const char *setting)
         for (int k = 0; k < 4; k++) {
             const outcome *best = NULL;
             for (int rank = 0; rank < 2; rank++) {
-                char key[80];
-                snprintf(key, sizeof key, "%s_%.*s_%.0e", rank ? "next" : "cheapest", (int)length - 1,
-                         o->row[from].method, targets[k]);
+                const char *key = check_text("%s_%.*s_%.0e", rank ? "next" : "cheapest", (int)length - 1,
+                                             o->row[from].method, targets[k]);
                 best = quickest(o->row + from, to - from, targets[k], best);
                 if (best)
                     rp_table_note(out, key, "%s %.2g s (%s = %.2g)", best->method + length, best->seconds,
@@ -93,13 +90,12 @@ static void write_outcomes(const outcomes *o, const char *name, const char *sett
                            const char *error_unit)
 {
     FILE *out = check_table(name, NULL);
-    char columns[80];
     if (!out) return;
     rp_table_note(out, "seconds",
                   "processor time, least of several (one run if 0.5 s or more); front: on the Pareto front");
     note_cheapest(out, o, setting);
-    snprintf(columns, sizeof columns, "%s [%s], error [%s], seconds [s], front, method", setting, unit,
-             error_unit);
+    const char *columns =
+        check_text("%s [%s], error [%s], seconds [s], front, method", setting, unit, error_unit);
     rp_table_header(out, columns);
     for (const outcome *r = o->row; r < o->row + o->n; r++)
         CHECK_ROW(out, r->method, r->setting, r->error, r->seconds, (double)o->front[r - o->row]);
@@ -110,9 +106,8 @@ static void write_outcomes(const outcomes *o, const char *name, const char *sett
  * points change the slope between them by up to 0.3. */
 static void check_gain(const outcomes *o, const char *problem, const char *integrator, double order)
 {
-    char method[48];
     const outcome *first = NULL, *last = NULL;
-    snprintf(method, sizeof method, "%s/%s", problem, integrator);
+    const char *method = check_text("%s/%s", problem, integrator);
     for (const outcome *r = o->row; r < o->row + o->n; r++) {
         if (strcmp(r->method, method) != 0) continue;
         if (!first) first = r;
@@ -485,12 +480,11 @@ static void solve_in_time(const char *problem, long base, double alpha_deg, cons
     double error = 0.0, seconds = INFINITY, residual = NAN;
     for (int repeat = 0; repeat < (check_full() ? 5 : 1); repeat++) {
         const double start = rp_cpu_clock();
-        solved_pile pile = solved_pile_make(base, alpha_deg, other->eps, 1);
+        RP_ENDS(solved_pile_free) solved_pile pile = solved_pile_make(base, alpha_deg, other->eps, 1);
         seconds = fmin(seconds, rp_cpu_clock() - start);
         for (size_t i = 0; i < pile.k; i++)
             error = worse(error, hypot(pile.N[i] - other->N[i], pile.H[i] - other->H[i]));
         residual = pile.result.residual;
-        solved_pile_free(&pile);
     }
     add(o, problem, "newton", residual, error, seconds);
 }
@@ -512,12 +506,12 @@ static void static_piles(void)
     outcomes o = {0};
     const size_t first = check_full() ? 1 : 0, last = check_full() ? 3 : 1;
     for (size_t k = first; k < last; k++) {
+        RP_ENDS(solved_pile_free)
         solved_pile pile = solved_pile_make(piles[k].base, piles[k].alpha_deg, 1e-6, 8);
         solve_in_time(piles[k].name, piles[k].base, piles[k].alpha_deg, &pile, &o);
         CU_ASSERT(o.row[o.n - 1].error < 1e-8);
         for (const relaxation *w = relaxations[k]; w < relaxations[k] + 2 && w->method; w++)
             CU_ASSERT(relax_to_rest(piles[k].name, &pile, w, &o) < w->agrees);
-        solved_pile_free(&pile);
         mark_front(&o);
     }
     write_outcomes(&o, "precision_pile", "net_force", "m*g", "m*g");

@@ -3,7 +3,6 @@
  * centre, r minus the overlap with a wall. */
 #include <float.h>
 
-#include "dem/dem.h"
 #include "dem/law/law.h"
 #include "tests/check.h"
 #include "tests/grains.h"

@@ -1,8 +1,6 @@
 /* Scaling of the static solver: processor time and memory of linearised piles of 30 and 60 degrees. Forces
  * are compared with known ones; the full run writes tables. */
 #include <gsl/gsl_fit.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>

@@ -1,8 +1,6 @@
 /* Piles for the static solver and the simulator; see solved_pile.h. */
 #include "validation/solved_pile.h"
 
-#include <stdlib.h>
-
 #include "analytic/analytic.h"
 #include "tests/check.h"
 #include "tests/grains.h"

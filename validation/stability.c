@@ -12,8 +12,6 @@
  * Measured. Compressed grains at rest are slightly displaced; the largest time step, set without the check of
  * the limit, for which the displacement does not grow. */
 #include <gsl/gsl_eigen.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "core/clock.h"
 #include "table/table.h"
@@ -429,10 +427,10 @@ static void largest_time_step(void)
                         "gamma_n [1/s], mass_ratio, radius_ratio, k_s [slope of the normal force], rotation, "
                         "dt_limit [s], dt_measured [s], dt_theory [s], gamma_over_omega, omega_dt_limit, "
                         "omega_dt_measured, omega_dt_theory, margin [measured/limit]");
-    FILE *sums = check_table("stability_sums",
-                             "integrator [word], cases, margin_least [measured/limit], margin_most "
-                             "[measured/limit], deviation [largest deviation of measured/theory from 1], "
-                             "run_time [s]");
+    FILE *sums =
+        check_table("stability_sums",
+                    "integrator [word], cases, margin_least [measured/limit], margin_most [measured/limit], "
+                    "deviation [largest deviation of measured/theory from 1], run_time [s]");
     for (int scheme = DEM_VERLET; scheme <= DEM_GEAR5; scheme++) {
         const double start = rp_clock();
         summary.cases = 0, summary.least = INFINITY, summary.most = summary.deviation = 0.0;

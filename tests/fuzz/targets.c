@@ -181,10 +181,9 @@ static size_t count(size_t n, const char text[], char c)
 /* Plans of few runs only: their number is what takes the time. */
 static void read_sweep(size_t n, const char text[])
 {
-    sweep_recipe recipe;
+    RP_ENDS(sweep_recipe_free) sweep_recipe recipe;
     sweep_counts counts;
     (void)!sweep_recipe_read("s.cfg", &recipe);
-    sweep_recipe_free(&recipe);
     const char *replicas = memmem(text, n, "replicas", 8);
     if (count(n, text, ',') > 12 || count(n, text, '@') ||
         (replicas && memmem(replicas + 8, (size_t)(text + n - replicas) - 8, "replicas", 8)))
@@ -329,8 +328,7 @@ static bool is_small(const char *line)
     return strncmp(line, "pile", 4) != 0 || (base && strtol(base + strlen("--base\n"), NULL, 10) < 20);
 }
 
-/* Long runs, processes and files elsewhere are left out: commands that work for long, numbers of three
- * digits. */
+/* Long runs, processes and files elsewhere are left out: commands that work long, numbers of three digits. */
 static bool is_harmless(const char *line)
 {
     int digits = 0;

@@ -259,8 +259,7 @@ static const struct {
                {"[*/] [0-9]+[ ;,)]", change_number, ANYWHERE},
                {"[[][a-z0-9_]+[]]", change_index, ANYWHERE}};
 
-/* Blank what is not to change, a comment by tabs; a comment, a string or a message may go on in the next
- * line. */
+/* Blank what is not to change, a comment by tabs; it, a string or a message may go on in the next line. */
 static void blank(void)
 {
     const char *text = at_line.text;
@@ -397,8 +396,7 @@ static void mutate_file(char *path)
     fclose(in);
 }
 
-/* Mark what the file excepts: path, number among the equal lines, line, mutant, reason. False: a line is no
- * mutant. */
+/* Mark what the file excepts: path, number among equal lines, line, mutant, reason; false if one is none. */
 static bool read_exceptions(const char *path)
 {
     FILE *in = opened(path);
