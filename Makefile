@@ -16,6 +16,7 @@ PACKAGES := g++ pkg-config libgsl-dev libnlopt-dev libcunit1-dev gnuplot-nox lib
             clang-format python3 python3-pandas sqlite3 lammps
 SETUP_FIRST := $(filter setup,$(MAKECMDGOALS))
 PKGS     := gsl nlopt libconfig sqlite3 libxxhash jansson zlib
+$(if $(filter setup help clean uninstall,$(MAKECMDGOALS))$(shell pkg-config --exists $(PKGS) && echo y),,$(error packages are missing: `make setup` installs them))
 LIBS      = $$(pkg-config --libs $(PKGS)) -lcholmod -lm $(if $(SAN),,-pie -Wl,-z,relro,-z,now)
 # module=prefix of its exported names; dependents before what they depend on. A module's rooms stand in tests/rooms.txt.
 MODULES := sweep=sweep_ view=view_ export=export_ exp=exp_ analytic=an_ dem=dem_ statics=statics_ angle=ang_ stress=stress_ stats=stats_ core=rp_
