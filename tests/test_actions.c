@@ -560,7 +560,45 @@ static void test_kept(void)
     FAILS(65, "damaged", "run k.cfg --from whole");
 }
 
+/* A last phase that is kept goes on from its end, within a period of what shakes and between two samples: the
+ * values are those of one run. A shorter one, or one that another follows, does not. */
+static void test_longer(void)
+{
+    static const char text[] =
+        "let = { n = 400; }; dt = 5e-5; fill = { N = 40; W = 2.0; H = 3.0; };\n"
+        "walls = ( { name = `box`; polygon = ((0.0, 9.0), (0.0, 0.0), (2.0, 0.0), (2.0, 9.0)); closed = "
+        "false; } "
+        ");\nphases = ( { name = `fall`; steps = 2000; }, { name = `shake`; steps = `n`; every = 50; keep = "
+        "true;\n"
+        "  walls = { box = { velocity = (0.0, `5*sin(700*t)`); }; }; fail = { low = `held(y > 0.49, 12)`; }; "
+        "} );\n"
+        "measure = ( { name = `before`; of = `y`; at = `fall`; },\n"
+        "  { name = `mean_y`; of = `y`; during = `shake`; take = `mean`; every = 70; series = true; },\n"
+        "  { name = `most`; of = `y`; during = `shake`; take = `max`; every = 30; },\n"
+        "  { name = `moves`; of = `change(y)`; during = `shake`; take = `mean`; every = 20; },\n"
+        "  { name = `end`; of = `mean_y + vy`; } );\n";
+    write_trial("l.cfg", text);
+    GOOD("run l.cfg -o short");
+    SHELL("for at in 900 700; do $REPOSE run l.cfg --set n=$at -o whole --force | grep -v '^#' >a; $REPOSE "
+          "run l.cfg "
+          "--set n=$at --from short -o more --force | grep -v '^#' >b; cmp a b && grep -v '^#' "
+          "whole/series_mean_y.tsv >a && grep -v '^#' more/series_mean_y.tsv | cmp - a || exit 1; done");
+    FAILS(65, "shake with 400 steps", "run l.cfg --set n=399 --from short");
+    /* looks before the end count */
+    scoped char *fails = changed(text, "0.49, 12", "0.49, 9"),
+                *follows = changed(text, "9, 12)`; }; }", "9, 12)`; }; }, { name = `rest_`; steps = 1; }");
+    write_trial("f.cfg", fails);
+    GOOD("run f.cfg -o kept");
+    FAILS(1, "low: phase shake, step ", "run f.cfg --set n=900");
+    scoped char *message = strdup(strstr(err, "low: "));
+    CU_ASSERT(run("run f.cfg --set n=900 --from kept") == 1 && strstr(err, message));
+    GOOD("run f.cfg --set n=410 -o odd");
+    FAILS(65, "shake with 410 steps", "run f.cfg --set n=900 --from odd");
+    write_trial("f.cfg", follows);
+    FAILS(65, "shake with 400 steps", "run f.cfg --set n=900 --from short");
+}
+
 CHECK_SUITE_WITHIN(actions, "actions", enter, leave, test_oscillator, test_column, test_laws_change,
                    test_halt, test_halt_in_contact, test_friction_changes, test_added, test_touch,
                    test_added_radii, test_base_order, test_fabric, test_back, test_cuts, test_keys,
-                   test_refused, test_ends, test_kept, test_profile)
+                   test_refused, test_ends, test_kept, test_longer, test_profile)

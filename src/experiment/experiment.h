@@ -99,8 +99,9 @@ uint64_t exp_keep_layout(void); /* a number that changes with what a snapshot ho
 /* The states at the ends of phases with `keep`, from which a run that begins alike may start: 32 digits of
  * such a beginning, with these streams (errors: RP_NO_MEMORY); the bytes, which a run has once the phase has
  * ended, of n = 0 before. exp_begin reads a state into a run that has been started, and measures what the
- * state has no value of and that phase ends with. Errors: RP_NO_RESULT (the run is unchanged: the state lacks
- * what is measured, or gone back to, before), RP_BAD_INPUT, RP_NO_MEMORY. */
+ * state has no value of and that phase ends with; a last phase of steps or a time may be longer. Errors:
+ * RP_NO_RESULT (the run is unchanged: the state lacks what is measured, or gone back to, before),
+ * RP_BAD_INPUT, RP_NO_MEMORY. */
 size_t exp_kept_count(const exp_plan *plan);
 const char *exp_kept_name(const exp_plan *plan, size_t k);
 rp_status exp_kept_key(const exp_plan *plan, size_t k, unsigned long seed, unsigned long stream,

@@ -43,7 +43,8 @@ static void put_add(const writer *w, const exp_add *a)
     for (size_t k = 0; k < 2 * f->n_radii; k++) fprintf(out, " %a", f->radii[k]);
 }
 
-static void put_phase(const writer *w, const exp_phase *p)
+/* Without its number of steps or its time, where others may follow. */
+static void put_phase(const writer *w, const exp_phase *p, bool goes_on)
 {
     const exp_plan *const plan = w->plan;
     FILE *const out = w->out;
@@ -64,7 +65,10 @@ static void put_phase(const writer *w, const exp_phase *p)
     }
     if (p->add.on) put_add(w, &p->add);
     if (p->opens >= 0) fprintf(out, " open=%s", plan->walls[p->opens].name);
-    put(w, ends[p->ending], &p->end);
+    if (goes_on && p->ending != EXP_UNTIL && p->end.x.known)
+        fprintf(out, " %s", ends[p->ending]);
+    else
+        put(w, ends[p->ending], &p->end);
     for (int k = 0; k < 2; k++) {
         put(w, "g", &p->gravity[k]);
         put(w, k ? "box" : "turn", &p->turn[k]);
@@ -132,7 +136,7 @@ static void put_scene(const writer *w, size_t end)
         for (size_t c = 0; c < 2 * r->n_points; c++) put(w, "p", &r->points[c]);
         fputc('\n', out);
     }
-    for (size_t k = 0; k < end && k < plan->n_phases; k++) put_phase(w, &plan->phases[k]);
+    for (size_t k = 0; k < end && k < plan->n_phases; k++) put_phase(w, &plan->phases[k], k + 1 == end);
 }
 
 char *exp_key(const exp_plan *plan)

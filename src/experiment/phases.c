@@ -612,7 +612,14 @@ static rp_status find_measured(const exp_plan *plan, size_t phase, rp_arena *are
     return RP_OK;
 }
 
-/* Hashes of the measures, phases before that can be gone back to, the place; the bytes of each. */
+/* What the expressions of a phase, or the samples of a measure, remember. */
+static void keep_counters(rp_snapshot *s, const exp_run *run, const size_t states[2])
+{
+    keep_array(s, run->counters + states[0], states[1] - states[0]);
+}
+
+/* Hashes of the measures, steps of the phase, phases before that can be gone back to, the place; the bytes of
+ * each measure. */
 static rp_status write_end(exp_run *run, size_t phase)
 {
     RP_SCOPE(arena);
@@ -622,13 +629,16 @@ static rp_status write_end(exp_run *run, size_t phase)
     rp_snapshot_free(s);
     RP_KEEP(s, m.n);
     rp_keep(s, m.of, m.n * sizeof *m.of);
+    RP_KEEP(s, run->at.phase_step);
     for (size_t k = 0; k < phase; k++) rp_keep(s, &(bool){run->saved[k].sim != NULL}, sizeof(bool));
     keep_place(s, run, phase + 1);
+    keep_counters(s, run, run->plan->phases[phase].states);
     for (size_t k = 0; k < phase; k++)
         if (run->saved[k].sim) keep_saved(s, run->plan, &run->saved[k]);
     for (size_t i = 0; i < m.n; i++) {
         rp_snapshot one = {0};
         keep_measure(&one, run, m.which[i]);
+        keep_counters(&one, run, run->plan->measures[m.which[i]].states);
         keep_bytes(s, &one);
         if (one.status) s->status = one.status;
         rp_snapshot_free(&one);
@@ -641,11 +651,24 @@ static void keep_end(exp_run *run, size_t phase)
     run->failed = write_end(run, phase);
 }
 
-/* Read the head of an end; does it have all that a run needs of before? *known: by number of the measure. */
-static rp_status read_head(rp_snapshot *s, const exp_plan *plan, size_t phase, rp_arena *arena, measured *m,
-                           bool **known, bool **back)
+/* Steps of a phase; -1: it ends by a condition, or by what the run alone knows. */
+static long steps_of(const exp_phase *p)
 {
+    const double value = p->end.x.known ? p->end.x.value : NAN, n = p->ending == EXP_STEPS ? value
+                                                                    : p->ending == EXP_TIME
+                                                                        ? value / p->laws.physics.dt
+                                                                        : NAN;
+    return n >= 0.0 && n <= 9e15 ? lround(n) : -1;
+}
+
+/* Read the head of an end; does it have all that a run needs of before? *known: by number of the measure;
+ * *left: steps that the last phase has more. */
+static rp_status read_head(rp_snapshot *s, const exp_plan *plan, size_t phase, rp_arena *arena, measured *m,
+                           bool **known, bool **back, long *left)
+{
+    const exp_phase *p = &plan->phases[phase];
     measured own = {0};
+    long steps = 0;
     RP_TRY(find_measured(plan, phase, arena, &own));
     RP_KEEP(s, m->n);
     rp_keep_check(s, m->n <= (s->n - s->at) / sizeof *m->of, ANOTHER);
@@ -655,6 +678,12 @@ static rp_status read_head(rp_snapshot *s, const exp_plan *plan, size_t phase, r
     RP_NEW(arena, *known, plan->n_measures);
     RP_NEW(arena, *back, phase);
     rp_keep(s, m->of, m->n * sizeof *m->of);
+    RP_KEEP(s, steps);
+    *left = steps_of(p) < 0 ? 0 : steps_of(p) - steps;
+    /* what fails counts its looks, and the end is one */
+    const bool more = p->n_fails > 0 && (steps - p->least) % p->every != 0;
+    if (*left < 0 || (*left > 0 && (more || present(plan, phase + 1, plan->n_phases) < plan->n_phases)))
+        return rp_fail(RP_NO_RESULT, "%s: %s with %ld steps", s->path, p->name, steps);
     rp_keep(s, *back, phase * sizeof **back);
     for (size_t i = 0; i < m->n; i++) m->which[i] = SIZE_MAX;
     for (size_t j = 0; j < own.n; j++) {
@@ -687,26 +716,46 @@ static void end_again(exp_run *run, size_t phase, const bool known[])
     if (done) end_run(run);
 }
 
+/* The last phase has more steps than where the state was left. */
+static void go_on(exp_run *run, size_t phase, long left)
+{
+    if (strcmp(run->at.end.status, run->plan->result) == 0) *run->at.end.status = '\0';
+    run->at.phase = phase, run->at.done = false, run->at.started = true;
+    run->at.most = run->at.phase_step + left;
+    run->passed[phase].passes = 0;
+    for (size_t k = 0; k < run->plan->n_measures; k++) {
+        const exp_measure *m = &run->plan->measures[k];
+        for (size_t o = 0; m->phase == phase && m->take == TAKE_VALUE && o < m->n_outputs; o++)
+            run->values[m->output + o] = NAN;
+    }
+}
+
 rp_status exp_begin(exp_run *run, size_t k, rp_snapshot *s)
 {
     RP_SCOPE(arena);
     const size_t phase = run->plan->kept[k];
     measured m = {0};
     bool *known, *back;
-    RP_TRY(read_head(s, run->plan, phase, &arena, &m, &known, &back));
+    long left;
+    RP_TRY(read_head(s, run->plan, phase, &arena, &m, &known, &back, &left));
     keep_place(s, run, phase + 1);
+    keep_counters(s, run, run->plan->phases[phase].states);
     for (size_t j = 0; j < phase && !s->status; j++)
         if (back[j]) keep_saved(s, run->plan, &run->saved[j]);
     for (size_t i = 0; i < m.n && !s->status; i++) {
         rp_snapshot one = {.path = s->path};
         keep_bytes(s, &one);
         one.reading = true;
-        if (m.which[i] != SIZE_MAX) keep_measure(&one, run, m.which[i]);
+        if (m.which[i] != SIZE_MAX) {
+            keep_measure(&one, run, m.which[i]);
+            keep_counters(&one, run, run->plan->measures[m.which[i]].states);
+        }
         if (one.status) s->status = one.status;
         rp_snapshot_free(&one);
     }
     RP_TRY(rp_snapshot_end(s));
     if (run->at.phase <= phase && !run->at.done) return rp_fail(RP_BAD_INPUT, "%s: a state within", s->path);
+    if (left > 0) return go_on(run, phase, left), RP_OK;
     end_again(run, phase, known);
     if (!run->failed) keep_end(run, phase);
     return run->failed;
