@@ -869,6 +869,8 @@ static void test_stats_trends(void)
     fclose(file);
     scoped_table t = TABLE_OF("stats size runs.tsv -x W -y theta --by mu --to 6");
     CU_ASSERT(t.n_rows == 3);
+    CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "curved");
+    CU_ASSERT_STRING_EQUAL(word(&t, 1, "status"), "ok");
     CU_ASSERT_STRING_EQUAL(t.cells[3 * t.n_columns - 1], "no_result");
     GOOD("stats trend runs.tsv -x k -y theta --by mu --to 1e6 --scale log --pair");
     CU_ASSERT(strstr(out, "# rows: 25 used, 1 without result, 2 with nan, 0 outside") != NULL);
