@@ -528,6 +528,12 @@ static void test_mean(void)
     CU_ASSERT(s.n == 0 && isnan(s.mean));
     CHECK_FAILS(stats_mean(2, (double[]){1.0, INFINITY}, &s), RP_BAD_INPUT, "value 2");
     CU_ASSERT(isnan(s.mean));
+    for (double unit = 1e-300; unit < 1e301; unit *= 1e300) { /* squares neither vanish nor overflow */
+        CHECK_OK(stats_mean(2, (double[]){unit, 3.0 * unit}, &s));
+        CHECK_PAIRS(tight, {s.mean / unit, 2.0}, {s.se / unit, 1.0});
+    }
+    CHECK_FAILS(stats_mean(2, (double[]){1e308, -1e308}, &s), RP_NO_RESULT, "their sum overflows");
+    CU_ASSERT(isnan(s.mean));
 }
 
 static void test_paired(void)
@@ -609,6 +615,7 @@ static void test_line_fit(void)
         const char *text;
     } failures[] = {{0, {1, 2}, {1, 1}, {1, 1}, false, RP_NO_RESULT, "0 points"},
                     {1, {1, 2}, {1, 1}, {1, 1}, false, RP_NO_RESULT, "1 points"},
+                    {2, {1, 2}, {1e-300, 2e-300}, {1, 1}, false, RP_NO_RESULT, "so large or small"},
                     {2, {0.1, 0.1}, {1, 1}, {1, 1}, false, RP_NO_RESULT, "two different x"},
                     {1, {0, 2}, {1, 1}, {1, 1}, true, RP_NO_RESULT, "other than 0"},
                     {2, {0, 0}, {3, 4}, {1, 1}, true, RP_NO_RESULT, "an x other than 0"},
@@ -645,7 +652,7 @@ static double mean_variance(double phi, double n)
 
 static void test_blocking(void)
 {
-    enum { N = 4096, SERIES = 200 };
+    enum { N = 16384, SERIES = 200 }; /* 20 blocks or more */
     static double v[N], work[N];
     scoped_rng *rng = numbers_of(11, 0);
     for (double phi = 0.0; phi < 0.95; phi += 0.3) {
@@ -675,24 +682,54 @@ static void test_blocking(void)
     }
 }
 
+/* A series of any length has an interval that misses the truth no more often than one in twenty, and few
+ * independent values have none. */
+static void test_blocking_short(void)
+{
+    enum { MOST = 256, SERIES = 2000 };
+    double v[MOST], work[MOST];
+    scoped_rng *rng = numbers_of(17, 0);
+    for (size_t n = 16; n <= MOST; n *= 2)
+        for (double phi = 0.0; phi < 0.97; phi += 0.32) {
+            int missed = 0, found = 0;
+            for (int s = 0; s < SERIES; s++) {
+                stats_series b;
+                autoregressive(rng, phi, n, v);
+                if (stats_blocking(n, v, work, &b)) continue;
+                const double blocks = floor((double)n / (double)b.block);
+                missed += fabs(b.mean) > gsl_cdf_tdist_Pinv(0.975, blocks - 1.0) * b.se;
+                found++;
+            }
+            CU_ASSERT(missed < 0.05 * SERIES);
+            if ((double)n * (1.0 - phi) / (1.0 + phi) < 8.0) CU_ASSERT(found < 0.15 * SERIES);
+        }
+}
+
 /* The first blocks whose length to the third is above twice the values times the squared ratio of variances,
- * of four blocks at least; what is no whole block is left out at the end. */
+ * of four blocks at least; what is no whole block is left out at the end. Neighbours of 16 blocks or more
+ * tell a ratio too, which leaves 16 values, and is not passed by fewer than 20 blocks. */
 static void check_blocking(size_t n, const double v[])
 {
     enum { MOST = 512 };
-    double work[MOST], mean[MOST];
+    double work[MOST], mean[MOST], most = 0.0;
     stats_series b;
     const rp_status status = stats_blocking(n, v, work, &b);
     CHECK_ALL_NEAR(tight, {b.mean, gsl_stats_mean(v, 1, n)}, {b.sd, gsl_stats_sd(v, 1, n)});
-    for (size_t length = 1; n / length >= 4; length *= 2) {
+    for (size_t length = 1; n >= 16 && n / length >= 4; length *= 2) {
         const size_t blocks = n / length;
         for (size_t i = 0; i < blocks; i++) mean[i] = gsl_stats_mean(v + i * length, 1, length);
         const double se = gsl_stats_sd(mean, 1, blocks) / sqrt((double)blocks),
-                     ratio = pow(se / b.sd, 2.0) * (double)n;
+                     ratio = pow(se / b.sd, 2.0) * (double)n, middle = gsl_stats_mean(mean, 1, blocks);
+        double along = 0.0;
+        for (size_t i = 1; i < blocks; i++) along += (mean[i - 1] - middle) * (mean[i] - middle);
+        const double r = along / gsl_stats_tss(mean, 1, blocks);
+        if (blocks >= 16) most = fmax(most, ratio * (1.0 + r) / (1.0 - r));
+        if ((double)n < 16.0 * most) break;
         if (pow((double)length, 3.0) <= 2.0 * (double)n * ratio * ratio) continue;
+        const double own = blocks < 20 ? fmax(ratio, most) : ratio, own_se = b.sd * sqrt(own / (double)n);
         CU_ASSERT(status == RP_OK && b.n == n && b.block == length);
-        CHECK_ALL_NEAR(tight, {b.se, se}, {b.se_error, se / sqrt(2.0 * ((double)blocks - 1.0))});
-        CHECK_NEAR(b.tau, 0.5 * ratio, 1e2 * tight);
+        CHECK_ALL_NEAR(tight, {b.se, own_se}, {b.se_error, own_se / sqrt(2.0 * ((double)blocks - 1.0))});
+        CHECK_NEAR(b.tau, 0.5 * own, 1e2 * tight);
         return;
     }
     CU_ASSERT(status == RP_NO_RESULT && isnan(b.se));
@@ -740,7 +777,7 @@ static void test_blocking_small(void)
     CU_ASSERT(b.n == 64 && b.mean == 31.5 && isnan(b.se) && isnan(b.tau));
     CHECK_FAILS(stats_blocking(3, ramp, work, &b), RP_NO_RESULT, "3 values");
     CU_ASSERT(b.mean == 1.0 && b.sd == 1.0 && isnan(b.se));
-    CHECK_FAILS(stats_blocking(15, v, work, &b), RP_NO_RESULT, "no plateau"); /* B = 4 needs 16 */
+    CHECK_FAILS(stats_blocking(15, v, work, &b), RP_NO_RESULT, "at least 16 needed");
     CHECK_OK(stats_blocking(16, v, work, &b));
     CU_ASSERT(b.block == 4);
     v[5] = NAN;
@@ -889,5 +926,5 @@ CHECK_SUITE(angle, "angle", test_closed_forms, test_crossings, test_geometry, te
             test_zero_tilt, test_marginal, test_tilt_without_root, test_theory_errors, test_surface,
             test_surface_errors, test_exact_lines, test_methods, test_gap, test_propagated_errors,
             test_planted_heaps, test_slope_errors, test_mean, test_paired, test_line_fit, test_blocking,
-            test_series_by_hand, test_blocking_small, test_level_off, test_compare,
+            test_blocking_short, test_series_by_hand, test_blocking_small, test_level_off, test_compare,
             compare_gain_and_flat_piles, compare_resamples)

@@ -855,6 +855,8 @@ static void test_stats_trends(void)
     fclose(file);
     scoped_table t = TABLE_OF("stats size runs.tsv -x W -y theta --by mu --to 6");
     CU_ASSERT(t.n_rows == 3);
+    CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "curved");
+    CU_ASSERT_STRING_EQUAL(word(&t, 1, "status"), "ok");
     CU_ASSERT_STRING_EQUAL(t.cells[3 * t.n_columns - 1], "no_result");
     GOOD("stats trend runs.tsv -x k -y theta --by mu --to 1e6 --scale log --pair");
     CU_ASSERT(strstr(out, "# rows: 25 used, 1 without result, 2 with nan, 0 outside") != NULL);
@@ -950,7 +952,7 @@ static void test_stats_select(void)
     FAILS(65, "eps = -1: out of range of this scale", "stats fit n.tsv -x eps -y e --scale log");
     FAILS(64, "give one of them", "stats fit p.tsv -x eps -y e --se e --scale log");
     /* no result is none for the shell too */
-    write_text("n.tsv", "# x\ty\tz\n-1e308\t1\t5\n1e308\t2\t5\n0\t2\t5\n3\t1\t5\n");
+    write_text("n.tsv", "# x\ty\tz\n-1e308\t1\t5\n1e308\t2\t5\n1e308\t2\t5\n-1e308\t1\t5\n");
     FAILS(1, "no line: numbers so large", "stats fit n.tsv -x x -y y");
     FAILS(1, "no trend: numbers so large", "stats trend n.tsv -x y -y x");
     FAILS(1, "values are all equal", "stats correlation n.tsv -x z -y y");

@@ -22,6 +22,7 @@ static const char fall[] =
     "  { name = `in_m`; of = `disk.mass`; at = `fall`; }, { name = `t1`; of = `t`; at = `fall`; },\n"
     "  { name = `T`; of = `time`; }, { name = `s`; of = `step`; },\n"
     "  { name = `rate_y`; of = `vy`; during = `fall`; take = `rate`; },\n"
+    "  { name = `faster`; of = `y`; during = `fall`; every = 10; take = `rate`; },\n"
     "  { name = `mean_t`; of = `t`; during = `fall`; },\n"
     "  { name = `late`; of = `t`; during = `fall`; when = `vy < -26`; take = `first`; },\n"
     "  { name = `most`; of = `-vy`; during = `fall`; take = `max`; skip = 0.5; },\n"
@@ -52,6 +53,7 @@ static void test_closed_forms(void)
     CHECK_NEAR(measured(&t, "weight"), -0.04 * 1000.0, 0.4);
     CHECK_NEAR(measured(&t, "top"), 0.4, 1e-3);
     CU_ASSERT(isnan(measured(&t, "rate_y_se"))); /* ten samples are too few for an error */
+    CU_ASSERT(isnan(measured(&t, "faster_se"))); /* and fifty whose steps correlate, too short a series */
 }
 
 /* Times 64 longer, accelerations 4096 smaller: the same bits but for the exponents. What lies at rest under a

@@ -246,6 +246,34 @@ static void test_statuses(void)
     CHECK_PAIRS(1e-12, {a.correlation[0][0], 1.0}, {a.correlation[0][1], a.correlation[1][0]});
 }
 
+static rp_status run_fixed(void *host, size_t stage, size_t *n, const double **x, const size_t replicas[],
+                           stats_runs **runs)
+{
+    static const double at[] = {0.0, 0.25, 0.5, 0.75, 1.0};
+    (void)replicas;
+    *n = 5, *x = at;
+    return run(host, stage, n, x, (size_t[]){1}, runs);
+}
+
+/* Few runs at different points: their residuals are few, and the interval is widened. */
+static void test_few_runs(void)
+{
+    enum { CASES = 300 };
+    scoped_stand_in s = {.n_names = 1, .n_numbers = 1, .scatter = {1.0}};
+    int inside = 0;
+    s.noise = rp_random_alloc(15, 1, RP_PURPOSE_TEST);
+    for (int k = 0; k < CASES; k++) {
+        const double truth = 0.3 + 0.4 * gsl_rng_uniform(s.noise);
+        stats_answer a;
+        stats_quest q = quest_of(&s, &truth, 0.1);
+        q.fixed_runs = true, q.run = run_fixed;
+        CHECK_OK(stats_identify(&q, &a));
+        rp_arena_end(&s.arena);
+        inside += isnan(a.x[0]) || (truth >= a.own[0].lower && truth <= a.own[0].upper);
+    }
+    CU_ASSERT(inside > 0.93 * CASES);
+}
+
 /* Where runs fail, nothing is found; a range ends there. */
 static void test_failing(void)
 {
@@ -368,4 +396,4 @@ static void test_valleys(void)
 }
 
 CHECK_SUITE(identify, "identify", test_valleys, test_one, test_two, test_three, test_arch, test_degenerate,
-            test_statuses, test_failing, test_answers)
+            test_statuses, test_few_runs, test_failing, test_answers)

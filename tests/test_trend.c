@@ -108,6 +108,26 @@ static void test_order_of_rows(void)
     }
 }
 
+/* Units change no verdict, however large. */
+static void test_units(void)
+{
+    const double x[] = {1, 1, 2, 2, 3, 3}, y[] = {1, 2, 2, 3, 3, 5};
+    stats_trend one, t;
+    CHECK_OK(trend_of(6, x, y, NULL, 0.0, &one));
+    for (double unit = 1e-300; unit < 1e301; unit *= 1e150)
+        for (int which = 0; which < 2; which++) {
+            double scaled[6];
+            for (int i = 0; i < 6; i++) scaled[i] = (which ? y : x)[i] * unit;
+            CHECK_OK(trend_of(6, which ? x : scaled, which ? scaled : y, NULL, 0.0, &t));
+            CHECK_NEAR(t.change.value / (which ? unit : 1.0), one.change.value, sum_error);
+            CHECK_PAIRS(sum_error, {t.change.dof, one.change.dof},
+                        {stats_contrast_p(&t.change), stats_contrast_p(&one.change)});
+            CU_ASSERT(isnan(t.bend.se) || t.bend.se > 0.0);
+        }
+    CHECK_FAILS(trend_of(6, (double[]){1e-100, 1e-100, 2e-100, 2e-100, 3e-100, 3e-100}, y, NULL, -10.0, &t),
+                RP_NO_RESULT, "weights x^-10 overflow");
+}
+
 /* TOST is equivalent to the 90 % interval. */
 static void test_tost_is_interval(void)
 {
@@ -285,6 +305,9 @@ static void test_correlation(void)
     CHECK_PAIRS(1e-12, {atanh(c.lo), z - z_off}, {atanh(c.hi), z + z_off});
     CHECK_OK(stats_correlate(4, x, y, &c)); /* the fewest */
     CHECK_FAILS(stats_correlate(3, x, y, &c), RP_NO_RESULT, "3 values");
+    CHECK_FAILS(stats_correlate(4, (double[]){1e200, 3e200, 2e200, 5e200}, y, &c), RP_NO_RESULT, "overflow");
+    CHECK_FAILS(stats_correlate(4, (double[]){1e-200, 3e-200, 2e-200, 5e-200}, y, &c), RP_NO_RESULT,
+                "overflow");
     CU_ASSERT(isnan(c.value) && isnan(c.se) && isnan(c.lo) && isnan(c.hi));
     CHECK_FAILS(stats_correlate(4, (double[]){1.0, NAN, 2.0, 3.0}, y, &c), RP_BAD_INPUT, "value 2");
     CHECK_FAILS(stats_correlate(4, x, (double[]){1.0, 2.0, NAN, 3.0}, &c), RP_BAD_INPUT, "value 3");
@@ -350,6 +373,6 @@ static void test_resampled(void)
     CU_ASSERT(n == 2 && isnan(stats_resampled(2, one, &n)) && n == 1);
 }
 
-CHECK_SUITE(trend, "trend", test_single_values, test_two_x, test_order_of_rows, test_tost_is_interval,
-            test_coverage, test_pairs, test_tost_size, test_holm, test_words, test_trend_errors,
-            test_correlation, test_planted_correlation, test_pooled, test_resampled)
+CHECK_SUITE(trend, "trend", test_single_values, test_two_x, test_order_of_rows, test_units,
+            test_tost_is_interval, test_coverage, test_pairs, test_tost_size, test_holm, test_words,
+            test_trend_errors, test_correlation, test_planted_correlation, test_pooled, test_resampled)

@@ -145,22 +145,27 @@ static double rate_between(const exp_sampled *lo, const exp_sampled *hi)
 }
 
 /* Change over time, the mean of those of the passes, and its standard error from ten blocks: those of one
- * pass, or ten passes or more. */
+ * pass, unless it is too short for the correlation of its steps, or ten passes or more. */
 static rp_status rate(const exp_samples *s, rp_arena *arena, double out[])
 {
-    double *rates;
+    double *rates, *work;
     size_t n = 0;
     stats_summary all;
+    stats_series series;
     RP_NEW(arena, rates, s->n + BLOCKS);
+    RP_NEW(arena, work, s->n);
     for (size_t i = 0, end; i < s->n; i = end)
         if ((end = end_of_pass(s, i)) - i > 1) rates[n++] = rate_between(&s->at[i], &s->at[end - 1]);
     if (n == 0) return rp_fail(RP_NO_RESULT, "fewer than two samples");
     if (stats_mean(n, rates, &all)) return rp_fail(RP_NO_RESULT, "two samples at one time");
     out[0] = all.mean;
     const size_t last = s->n - 1;
-    if (n == 1 && end_of_pass(s, 0) == s->n && last >= 2 * BLOCKS)
-        for (n = 0; n < BLOCKS; n++)
-            rates[n] = rate_between(&s->at[last * n / BLOCKS], &s->at[last * (n + 1) / BLOCKS]);
+    if (n == 1 && end_of_pass(s, 0) == s->n && last >= 2 * BLOCKS) {
+        for (size_t i = 0; i < last; i++) rates[i] = rate_between(&s->at[i], &s->at[i + 1]);
+        if (!stats_blocking(last, rates, work, &series))
+            for (n = 0; n < BLOCKS; n++)
+                rates[n] = rate_between(&s->at[last * n / BLOCKS], &s->at[last * (n + 1) / BLOCKS]);
+    }
     if (n < BLOCKS) return RP_OK;
     if (!stats_mean(n, rates, &all)) out[1] = all.se;
     return RP_OK;

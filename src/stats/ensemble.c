@@ -7,6 +7,8 @@
 #include "stats/stats.h"
 
 static const double confidence = 0.95;
+/* of a standard deviation: sums of its squares are still exact, and those of its inverse finite */
+static const double SMALL = 1e-145;
 
 rp_status stats_check_finite(size_t n, const double v[])
 {
@@ -15,11 +17,16 @@ rp_status stats_check_finite(size_t n, const double v[])
     return RP_OK;
 }
 
-/* Errors of a mean from the squares about it. */
-static void set_errors(double squares, stats_summary *stats)
+double stats_unit(double most)
+{
+    return most > 0.0 && isfinite(most) ? ldexp(1.0, ilogb(most)) : 1.0;
+}
+
+/* Errors of a mean from the squares about it, in a unit. */
+static void set_errors(double squares, double unit, stats_summary *stats)
 {
     const double n = (double)stats->n;
-    stats->sd = sqrt(squares / (n - 1.0));
+    stats->sd = sqrt(squares / (n - 1.0)) * unit;
     stats->se = stats->sd / sqrt(n);
     const double half = gsl_cdf_tdist_Qinv(0.5 * (1.0 - confidence), n - 1.0) * stats->se;
     stats->lo = stats->mean - half;
@@ -33,15 +40,20 @@ rp_status stats_paired(size_t n, const double a[], double factor, const double b
     if (n == 0) return rp_fail(RP_NO_RESULT, "no values");
     RP_TRY(stats_check_finite(n, a));
     if (b) RP_TRY(stats_check_finite(n, b));
-    double first = a[0] + (b ? factor * b[0] : 0.0), sum = 0.0, squares = 0.0;
+    double first = a[0] + (b ? factor * b[0] : 0.0), sum = 0.0, squares = 0.0, most = 0.0;
     for (size_t i = 0; i < n; i++) sum += a[i] + (b ? factor * b[i] : 0.0) - first;
-    stats->mean = first + sum / (double)n;
+    const double mean = first + sum / (double)n;
+    for (size_t i = 0; i < n; i++) most = fmax(most, fabs(a[i] + (b ? factor * b[i] : 0.0) - mean));
+    if (!isfinite(sum) || !isfinite(most))
+        return rp_fail(RP_NO_RESULT, "values so large that their sum overflows");
+    stats->mean = mean;
     if (n == 1) return RP_OK;
+    const double unit = stats_unit(most);
     for (size_t i = 0; i < n; i++) {
-        double d = a[i] + (b ? factor * b[i] : 0.0) - stats->mean;
+        double d = (a[i] + (b ? factor * b[i] : 0.0) - mean) / unit;
         squares += d * d;
     }
-    set_errors(squares, stats);
+    set_errors(squares, unit, stats);
     return RP_OK;
 }
 
@@ -58,7 +70,7 @@ stats_summary stats_pooled(size_t n, const stats_summary parts[])
         const double d = parts[i].mean - all.mean, own = parts[i].n > 1 ? parts[i].sd : 0.0;
         squares += ((double)parts[i].n - 1.0) * own * own + (double)parts[i].n * d * d;
     }
-    if (all.n > 1) set_errors(squares, &all);
+    if (all.n > 1) set_errors(squares, 1.0, &all);
     return all;
 }
 
@@ -72,11 +84,13 @@ rp_status stats_correlate(size_t n, const double x[], const double y[], stats_co
     const double quantile = 1.959963984540054, m = (double)n; /* normal, 97.5 % */
     *c = (stats_correlation){n, NAN, NAN, NAN, NAN};
     if (n < 4) return rp_fail(RP_NO_RESULT, "%zu values, at least 4 needed", n);
-    RP_TRY(stats_check_finite(n, x));
-    RP_TRY(stats_check_finite(n, y));
-    c->value = gsl_stats_correlation(x, 1, y, 1, n);
-    if (isnan(c->value))
+    stats_summary of[2];
+    RP_TRY(stats_mean(n, x, &of[0]));
+    RP_TRY(stats_mean(n, y, &of[1]));
+    const double r = gsl_stats_correlation(x, 1, y, 1, n), least = fmin(of[0].sd, of[1].sd);
+    if (isnan(r) || least < SMALL || fmax(of[0].sd, of[1].sd) > 1.0 / SMALL)
         return rp_fail(RP_NO_RESULT, "no correlation: a column whose values are all equal, or overflow");
+    c->value = r;
     c->se = (1.0 - c->value * c->value) / sqrt(m - 1.0);
     const double z = atanh(c->value), half = quantile / sqrt(m - 3.0);
     c->lo = tanh(z - half);

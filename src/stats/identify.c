@@ -3,6 +3,7 @@
 
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_eigen.h>
+#include <gsl/gsl_math.h>
 #include <gsl/gsl_qrng.h>
 #include <gsl/gsl_sort.h>
 #include <math.h>
@@ -41,6 +42,8 @@ typedef struct {
     size_t skipped;                                    /* point that is left out, or SIZE_MAX */
     rp_arena arena;
 } search;
+
+static const double FEW = 12.0; /* degrees of freedom that a first stage has at least */
 
 static void terms_at(const search *s, const double x[], double t[STATS_TERMS])
 {
@@ -107,11 +110,15 @@ static rp_status fit_number(search *s, size_t k)
     const double left = (double)(n - f->n_terms), excess = chi2 / left;
     f->one = one;
     f->p_value = one > 0.0 ? gsl_cdf_chisq_Q(chi2, left) : 0.0;
-    /* without scatter, or with a form that does not fit, the residuals tell the error */
-    const bool grows = one == 0.0 || excess > 1.0;
-    if (grows)
-        for (size_t i = 0; i < f->n_terms * f->n_terms; i++) f->covariance[i] *= excess;
-    f->tau2 = one == 0.0 ? excess * (double)n / weights : fmax(excess - 1.0, 0.0) * (double)n / weights;
+    /* without scatter, or with a form that does not fit, the residuals tell the error; what few degrees of
+     * freedom tell is widened to Student's interval */
+    const double known = one > 0.0 ? dof : left,
+                 few = known < FEW
+                           ? gsl_pow_2(gsl_cdf_tdist_Pinv(0.975, known) / gsl_cdf_ugaussian_Pinv(0.975))
+                           : 1.0,
+                 grows = few * (one == 0.0 ? excess : fmax(excess, 1.0));
+    for (size_t i = 0; i < f->n_terms * f->n_terms; i++) f->covariance[i] *= grows;
+    f->tau2 = few * (one == 0.0 ? excess : fmax(excess - 1.0, 0.0)) * (double)n / weights;
     return RP_OK;
 }
 

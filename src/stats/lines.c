@@ -6,9 +6,12 @@
 
 #include "stats/stats.h"
 
+static const char TOO_LARGE[] = "no line: numbers so large or small that their squares overflow";
+
 static rp_status check_points(const stats_xy *p, bool origin)
 {
     bool spread = false;
+    double x = 0.0, y = 0.0;
     for (size_t i = 0; i < p->n; i++) {
         if (!isfinite(p->x[i]) || !isfinite(p->y[i]))
             return rp_fail(RP_BAD_INPUT, "point %zu: (%g, %g): finite numbers expected", i + 1, p->x[i],
@@ -17,7 +20,11 @@ static rp_status check_points(const stats_xy *p, bool origin)
             return rp_fail(RP_BAD_INPUT, "point %zu: standard error = %g: out of range, allowed: (0, inf)",
                            i + 1, p->se[i]);
         spread = spread || p->x[i] != (origin ? 0.0 : p->x[0]);
+        x = fmax(x, fabs(p->x[i])), y = fmax(y, fabs(p->y[i]));
     }
+    const double large = 1e130; /* differences of numbers of its inverse still have exact squares */
+    if (fmax(x, y) > large || (x > 0.0 && x < 1.0 / large) || (y > 0.0 && y < 1.0 / large))
+        return rp_fail(RP_NO_RESULT, TOO_LARGE);
     if (spread) return RP_OK; /* two different x are two points */
     return rp_fail(RP_NO_RESULT, "no line: %zu points without %s", p->n,
                    origin ? "an x other than 0" : "two different x");
@@ -63,7 +70,7 @@ rp_status stats_line_fit(const stats_xy *p, bool origin, stats_line *line)
     line->intercept_se = origin ? 0.0 : sqrt(1.0 / sum * (1.0 + x * x / xx) * scale);
     line->p_value = p->se && line->dof > 0 ? gsl_cdf_chisq_Q(line->chi2, (double)line->dof) : NAN;
     if (isfinite(line->slope + line->intercept + line->chi2)) return RP_OK;
-    return rp_fail(RP_NO_RESULT, "no line: numbers so large or small that their squares overflow");
+    return rp_fail(RP_NO_RESULT, TOO_LARGE);
 }
 
 rp_status stats_linear_fit(stats_linear *f)

@@ -25,7 +25,11 @@ typedef struct {
 /* Errors: RP_BAD_INPUT for a value that is not finite. */
 rp_status stats_check_finite(size_t n, const double v[]);
 
-/* Errors: RP_NO_RESULT for n = 0, RP_BAD_INPUT for a value that is not finite; then every field is NaN. */
+/* The power of two next below a magnitude, or 1: divided by it, squares neither overflow nor vanish. */
+double stats_unit(double most);
+
+/* Errors: RP_NO_RESULT for n = 0 or a sum that overflows, RP_BAD_INPUT for a value that is not finite; then
+ * every field is NaN. */
 rp_status stats_mean(size_t n, const double v[], stats_summary *stats);
 
 /* The same for a[i] + factor b[i]: paired differences (-1) and sums (+1). */
@@ -40,8 +44,8 @@ typedef struct {
     double value, se, lo, hi;
 } stats_correlation;
 
-/* Errors: RP_NO_RESULT for n < 4 or values that are all equal, RP_BAD_INPUT for a value that is not finite.
- */
+/* Errors: RP_NO_RESULT for n < 4, values that are all equal, or squares that overflow, RP_BAD_INPUT for a
+ * value that is not finite. */
 rp_status stats_correlate(size_t n, const double x[], const double y[], stats_correlation *correlation);
 
 /* Standard deviation of a statistic over its resamples sample[n], of which NaN is left out, and *used counts
@@ -61,10 +65,14 @@ typedef struct {
 /* Mean of a correlated series by blocking (Flyvbjerg & Petersen 1989): neighbours are averaged, again and
  * again, until the blocks' scatter gives a standard error that no longer grows. That plateau is taken to be
  * the first block length B with B^3 > 2 n (se_B/se_1)^4, where the error that is left in se_B by correlation
- * between blocks equals its statistical one (Lee et al. 2011). work[n] is work space.
- * Errors: RP_BAD_INPUT for a value that is not finite; RP_NO_RESULT for n < 4 and where fewer than four
- * blocks of such a length fit in (mean and, of two values or more, sd are set): the series is too short for
- * its correlation. */
+ * between blocks equals its statistical one (Lee et al. 2011). work[n] is work space. The interval of 95 % is
+ * that of Student's t with a degree of freedom less than the n/block blocks.
+ * Neighbours of correlation r tell by themselves that se is se_B sqrt((1 + r)/(1 - r)). The largest of these,
+ * over the lengths up to the plateau of which 16 blocks fit in, says whether the series is too short: fewer
+ * than 16 values are independent. Of fewer than 20 blocks, se is not below it.
+ * Errors: RP_BAD_INPUT for a value that is not finite; RP_NO_RESULT (mean and, of two values or more, sd are
+ * set) for fewer than 16 values, for fewer than 16 independent ones, and where fewer than four blocks fit in:
+ * the series is too short for its correlation. */
 rp_status stats_blocking(size_t n, const double v[], double work[], stats_series *series);
 
 /* Where a series levels off: the start `from`, 0 <= from < n/2, that makes the standard error of the mean of

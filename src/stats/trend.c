@@ -21,6 +21,7 @@ typedef struct {
 
 typedef struct {
     const stats_sample *of;
+    double x_unit, y_unit;  /* powers of two, of all that follows */
     size_t n, n_x, n_piles; /* n: values in use */
     point *points;          /* by x; paired: pile after pile, each by x */
     cell *cells;
@@ -44,12 +45,17 @@ static int by_pile(const void *a, const void *b)
 static rp_status load_points(sample *s)
 {
     const double *x = s->of->x, *y = s->of->y, *pile = s->of->pile;
+    double most_x = 0.0, most_y = 0.0;
     for (size_t i = 0; i < s->n; i++) {
-        s->points[i] = (point){x[i], y[i], pile ? pile[i] : 0.0};
-        if (!isfinite(x[i]) || !isfinite(y[i]) || !isfinite(s->points[i].pile))
+        const double number = pile ? pile[i] : 0.0;
+        if (!isfinite(x[i]) || !isfinite(y[i]) || !isfinite(number))
             return rp_fail(RP_BAD_INPUT, "value %zu: (%g, %g) of pile %g: finite numbers expected", i + 1,
-                           x[i], y[i], s->points[i].pile);
+                           x[i], y[i], number);
+        most_x = fmax(most_x, fabs(x[i])), most_y = fmax(most_y, fabs(y[i]));
     }
+    s->x_unit = stats_unit(most_x), s->y_unit = stats_unit(most_y);
+    for (size_t i = 0; i < s->n; i++)
+        s->points[i] = (point){x[i] / s->x_unit, y[i] / s->y_unit, pile ? pile[i] : 0.0};
     qsort(s->points, s->n, sizeof *s->points, by_x);
     for (size_t i = 0; i < s->n; i++)
         if (i == 0 || s->points[i].x != s->points[i - 1].x) s->cells[s->n_x++].x = s->points[i].x;
@@ -65,7 +71,7 @@ static rp_status keep_whole_piles(sample *s)
         for (end = first + 1; end < s->n && s->points[end].pile == s->points[first].pile; end++)
             if (s->points[end].x == s->points[end - 1].x)
                 return rp_fail(RP_BAD_INPUT, "pile %g: two values at x = %g", s->points[end].pile,
-                               s->points[end].x);
+                               s->points[end].x * s->x_unit);
         if (end - first != s->n_x) continue;
         memmove(s->points + kept, s->points + first, s->n_x * sizeof *s->points);
         kept += s->n_x;
@@ -134,8 +140,8 @@ static void set_moments(sample *s)
     for (size_t j = 0; j < s->n_x; j++) {
         cell *q = &s->cells[j];
         const double w = power == 0.0     ? 1.0
-                         : s->of->log10_x ? rp_pow(10.0, power * q->x)
-                                          : rp_pow(q->x, power);
+                         : s->of->log10_x ? rp_pow(10.0, power * (q->x * s->x_unit))
+                                          : rp_pow(q->x * s->x_unit, power);
         s->sw += q->w = q->n * w;
     }
     for (size_t j = 0; j < s->n_x; j++) s->x_mean += s->cells[j].w * s->cells[j].x / s->sw;
@@ -216,8 +222,16 @@ static void compare_pairs(sample *s, stats_trend *trend)
             s->c[j] = 1.0;
             const stats_contrast pair = contrast_of(s, i, j, j - i);
             if (fabs(pair.value) >= fabs(trend->pair.value)) trend->pair = pair;
-            trend->p_pairs = fmax(trend->p_pairs, stats_contrast_p_margin(&pair, s->of->margin));
+            trend->p_pairs = fmax(trend->p_pairs, stats_contrast_p_margin(&pair, s->of->margin / s->y_unit));
         }
+}
+
+/* Of what its unit makes too large or too small nothing is known. */
+static void scale(stats_contrast *c, double unit)
+{
+    const double value = c->value * unit, se = c->se * unit;
+    const bool fits = isfinite(value) && isfinite(se) && (se > 0.0) == (c->se > 0.0);
+    c->value = fits ? value : NAN, c->se = fits ? se : NAN;
 }
 
 static rp_status analyse(sample *s, stats_trend *trend)
@@ -232,6 +246,8 @@ static rp_status analyse(sample *s, stats_trend *trend)
                        s->of->pile ? " of whole piles" : "", s->n_x, s->of->pile ? " of 2 piles" : "");
     RP_TRY(fill_cells(s));
     set_moments(s);
+    if (!isfinite(s->sw) || !(s->sxx > 0.0))
+        return rp_fail(RP_NO_RESULT, "no trend: weights x^%g overflow", s->of->power);
     if (!isnan(s->residual)) set_residual(s);
     trend->from = s->cells[0].x;
     trend->to = s->cells[s->n_x - 1].x;
@@ -240,8 +256,14 @@ static rp_status analyse(sample *s, stats_trend *trend)
     if (s->n_x > 2) trend->bend = coefficient(s, 2);
     const double range = trend->to - trend->from;
     trend->change = (stats_contrast){trend->slope.value * range, trend->slope.se * range, trend->slope.dof};
-    trend->p_margin = stats_contrast_p_margin(&trend->change, s->of->margin);
+    trend->p_margin = stats_contrast_p_margin(&trend->change, s->of->margin / s->y_unit);
     compare_pairs(s, trend);
+    trend->from *= s->x_unit, trend->to *= s->x_unit;
+    scale(&trend->slope, s->y_unit / s->x_unit);
+    scale(&trend->intercept, s->y_unit);
+    scale(&trend->bend, s->y_unit / s->x_unit / s->x_unit);
+    scale(&trend->change, s->y_unit);
+    scale(&trend->pair, s->y_unit);
     return RP_OK;
 }
 

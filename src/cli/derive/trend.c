@@ -91,10 +91,11 @@ static void print_size(rp_arena *arena, const stats_trend *t, double p_holm, con
     double lo[2], hi[2];
     stats_contrast_interval(&t->intercept, 0.95, &lo[0], &hi[0]);
     stats_contrast_interval(&t->slope, 0.95, &lo[1], &hi[1]);
-    const char *word = isnan(p_holm) ? "no_result" : "ok";
+    const double p_bend = stats_contrast_p(&t->bend);
+    const char *word = isnan(p_holm) ? "no_result" : p_bend < 0.05 ? "curved" : "ok";
     CLI_ROW_WORD(rp_text(arena, "%s\t%s", failed, word), (double)t->n, (double)t->n_x, 1.0 / t->to,
                  1.0 / t->from, t->intercept.value, t->intercept.se, lo[0], hi[0], t->slope.value,
-                 t->slope.se, lo[1], hi[1], stats_contrast_p(&t->slope), p_holm, stats_contrast_p(&t->bend));
+                 t->slope.se, lo[1], hi[1], stats_contrast_p(&t->slope), p_holm, p_bend);
 }
 
 /* A trend, or a limit of infinite size, which is the trend in 1/x. */
@@ -238,7 +239,7 @@ const cli_command cmd_stats_size = {
     "Finite size: y = limit + c/x by least squares, one row a group; errors from the scatter at each x;\n"
     "lo and hi are 95 % intervals (Student). p_value: of c, two-sided; p_holm: corrected for the number\n"
     "of groups; p_bend: of a term in 1/x^2, small where limit + c/x does not describe the means.\n"
-    "status is ok or no_result.\n" TABLE_HELP,
+    "status is ok, curved where p_bend < 0.05, or no_result.\n" TABLE_HELP,
     "repose stats size build/tables/lh2b_runs.tsv -x W -y theta_r3_deg --by mu",
     size_params,
     .refuses = "An x that is not positive.\n"
