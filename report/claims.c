@@ -221,6 +221,7 @@ static report_verdict decide(const report_claim *c, const report_chances *raised
     const stats_number ours = j->ours.tested, against = j->against.tested;
     const int sign = c->kind == CLAIM_ABOVE || c->kind == CLAIM_LEAST || c->kind == CLAIM_RISES ? 1 : -1;
     const report_chances own = chances_of(c, j);
+    report_verdict verdict;
     switch (c->kind) {
     case CLAIM_AGREES: return report_agree(ours, c->number, c->margin, raised, &j->z);
     case CLAIM_ABOVE:
@@ -234,8 +235,9 @@ static report_verdict decide(const report_claim *c, const report_chances *raised
     case CLAIM_INDEPENDENT: return report_equivalent(&j->change, c->margin, raised);
     case CLAIM_RISES:
     case CLAIM_FALLS:
-        if (raised) j->change.p_value = raised->effect;
-        return report_trends(&j->change, sign, c->margin);
+        verdict = report_trends(&j->change, sign, c->margin, raised);
+        if (raised) j->change.p_value = raised->effect; /* that is told */
+        return verdict;
     case CLAIM_JOINT:
     case CLAIM_FORMULA:
     case N_CLAIM_TESTS: break;

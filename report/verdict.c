@@ -82,12 +82,15 @@ report_verdict report_equivalent(const report_change *change, double margin, con
     return (raised ? raised->effect < level : beyond) ? REPORT_NOT_REPRODUCED : REPORT_OPEN;
 }
 
-report_verdict report_trends(const report_change *change, int sign, double margin)
+report_verdict report_trends(const report_change *change, int sign, double margin,
+                             const report_chances *raised)
 {
     const double middle = 0.5 * (change->lo90 + change->hi90);
+    const bool none = within(change, margin) && !(change->p_value < level); /* also before a correction */
     if (!isfinite(middle)) return REPORT_OPEN;
-    if (change->p_value < level) return sign * middle > 0.0 ? REPORT_REPRODUCED : REPORT_NOT_REPRODUCED;
-    return within(change, margin) ? REPORT_NOT_REPRODUCED : REPORT_OPEN;
+    if ((raised ? raised->effect : change->p_value) < level)
+        return sign * middle > 0.0 ? REPORT_REPRODUCED : REPORT_NOT_REPRODUCED;
+    return none ? REPORT_NOT_REPRODUCED : REPORT_OPEN;
 }
 
 report_together report_joint(size_t n, const stats_number differences[])

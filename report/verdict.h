@@ -70,8 +70,9 @@ typedef struct {
 report_verdict report_equivalent(const report_change *change, double margin, const report_chances *raised);
 
 /* Trend: a significant rise (sign = 1) or fall (-1). Not reproduced if the opposite is significant, or if no
- * change is and the 90 % interval lies within +-margin. */
-report_verdict report_trends(const report_change *change, int sign, double margin);
+ * change is, by itself, and the 90 % interval lies within +-margin. */
+report_verdict report_trends(const report_change *change, int sign, double margin,
+                             const report_chances *raised);
 
 /* Order of magnitude: reproduced if the quotient lies within `factor` of 1 by two standard errors, not
  * reproduced if it lies outside by as much. factor > 1. */

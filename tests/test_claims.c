@@ -101,18 +101,22 @@ static void test_changes(void)
     IS(report_equivalent(&almost, 1.0, NULL), "open");
     IS(report_equivalent(&small, 1.0, NULL), "reproduced"); /* smaller than any that counts */
     IS(report_equivalent(&none, 1.0, NULL), "open");
-    IS(report_trends(&rise, 1, 1.0), "reproduced");
-    IS(report_trends(&rise, -1, 1.0), "not reproduced");
-    IS(report_trends(&fall, -1, 1.0), "reproduced");
-    IS(report_trends(&fall, 1, 1.0), "not reproduced");
-    IS(report_trends(&almost, 1, 1.0), "open");
-    IS(report_trends(&inside, 1, 1.0), "not reproduced"); /* no change as large as the margin */
-    IS(report_trends(&edge, 1, 1.0), "open");
-    IS(report_trends(&none, 1, 1.0), "open");
-    IS(report_trends(&p_alone, 1, 1.0), "open");
+    IS(report_trends(&rise, 1, 1.0, NULL), "reproduced");
+    IS(report_trends(&rise, -1, 1.0, NULL), "not reproduced");
+    IS(report_trends(&fall, -1, 1.0, NULL), "reproduced");
+    IS(report_trends(&fall, 1, 1.0, NULL), "not reproduced");
+    IS(report_trends(&almost, 1, 1.0, NULL), "open");
+    IS(report_trends(&inside, 1, 1.0, NULL), "not reproduced"); /* no change as large as the margin */
+    IS(report_trends(&edge, 1, 1.0, NULL), "open");
+    IS(report_trends(&none, 1, 1.0, NULL), "open");
+    IS(report_trends(&p_alone, 1, 1.0, NULL), "open");
+    /* a change that a correction alone makes insignificant is neither */
+    IS(report_trends(&small, 1, 1.0, NULL), "reproduced");
+    IS(report_trends(&small, 1, 1.0, &(report_chances){0.09, NAN}), "open");
+    IS(report_trends(&inside, 1, 1.0, &(report_chances){0.9, NAN}), "not reproduced");
     const report_change endless = {-INFINITY, 0.5, 0.01};
     IS(report_equivalent(&endless, 1.0, NULL), "open");
-    IS(report_trends(&endless, -1, 1.0), "open");
+    IS(report_trends(&endless, -1, 1.0, NULL), "open");
     IS(exceeds(number(INFINITY, 0.1), number(1.0, 0.0), 1, INFINITY), "open");
     IS(report_bound(INFINITY, 0.05, 1), "open");
 }
