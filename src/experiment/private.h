@@ -270,6 +270,14 @@ struct exp_run {
 /* End a run with this word and message. */
 void exp_conclude(exp_run *run, const char *status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+/* With the text's word for a good run, or that of a phase that was gone on from. */
+void exp_end_run(exp_run *run);
+
+/* From this phase on, the next that is not left out: of a block, or of the text. */
+size_t exp_present(const exp_plan *plan, size_t phase, size_t end);
+
+/* Keep the end of a phase, in the run. */
+void exp_keep_end(exp_run *run, size_t phase);
 
 const dem_physics *exp_laws(const exp_run *run); /* that hold */
 double exp_value(exp_run *run, const exp_expression *e);

@@ -16,6 +16,14 @@ void exp_conclude(exp_run *run, const char *status, const char *format, ...)
     va_end(args);
 }
 
+void exp_end_run(exp_run *run)
+{
+    if (*run->at.end.status) /* of a phase that was gone on from */
+        run->at.done = true;
+    else
+        exp_conclude(run, run->plan->result, "%s", "");
+}
+
 const dem_state *exp_states(exp_run *run)
 {
     if (run->fresh || run->failed) return run->failed ? NULL : run->states;
@@ -71,4 +79,10 @@ void exp_mark(exp_run *run)
         dem_box_frame(run->sim, &x, &y);
         run->marks[2 * (s[i].id - 1)] = x, run->marks[2 * (s[i].id - 1) + 1] = y;
     }
+}
+
+size_t exp_present(const exp_plan *plan, size_t phase, size_t end)
+{
+    while (phase < end && plan->phases[phase].left_out) phase += 1 + plan->phases[phase].n_inner;
+    return phase;
 }
