@@ -58,7 +58,7 @@ unset logscale x
 set xlabel ' '
 set ylabel 'difference (degrees)'
 set xrange [0.5:5.5]
-set yrange [-2:4]
+set yrange [-3:4]
 set xtics ('10^4' 1, '10^5' 2, '50' 3, '100' 4, '500' 5)
 set label 1 '{/:Italic k}_n' at graph 0.2, graph -0.2 center
 set label 2 '{/:Italic γ}_n' at graph 0.7, graph -0.2 center
