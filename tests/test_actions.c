@@ -580,8 +580,7 @@ static void test_longer(void)
     write_trial("l.cfg", text);
     GOOD("run l.cfg -o short");
     SHELL("for at in 900 700; do $REPOSE run l.cfg --set n=$at -o whole --force | grep -v '^#' >a; $REPOSE "
-          "run l.cfg "
-          "--set n=$at --from short -o more --force | grep -v '^#' >b; cmp a b && grep -v '^#' "
+          "run l.cfg --set n=$at --from short -o more --force | grep -v '^#' >b; cmp a b && grep -v '^#' "
           "whole/series_mean_y.tsv >a && grep -v '^#' more/series_mean_y.tsv | cmp - a || exit 1; done");
     FAILS(65, "shake with 400 steps", "run l.cfg --set n=399 --from short");
     /* looks before the end count */

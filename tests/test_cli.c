@@ -1696,8 +1696,7 @@ static void test_run_stopped(void)
                "grid = { relax_steps = [100, 1000000000]; };\n");
     GOOD("run s.cfg --every 10 -o d --force");
     SHELL("\"$REPOSE\" run s.cfg --every 10 -o closed <&- >&- 2>&-; grep -v '^#' closed/states.tsv >out; "
-          "grep -v '^#' "
-          "d/states.tsv | cmp - out");
+          "grep -v '^#' d/states.tsv | cmp - out");
     GOOD("run r.cfg --row 0 -o r");
     SHELL("cat d/*.tsv r/* >before");
     static const char *const signals[] = {"TERM", "INT", "HUP"};
@@ -1727,8 +1726,7 @@ static void test_run_stopped(void)
           "{ sed 's/100, 1000000000/3000, 4000/' r.cfg >n.cfg; set -- sweep make n.cfg -o n -j 1; }; trap '' "
           "HUP; "
           "\"$REPOSE\" \"$@\" >out 2>err & p=$!; trap - HUP; while kill -HUP $p 2>/dev/null; do sleep 0.02; "
-          "done; "
-          "wait $p || exit 1; done");
+          "done; wait $p || exit 1; done");
     /* neither a run that can be resumed nor that of another process is thrown away */
     SHELL("touch d/unfinished/snapshot");
     FAILS(65, "an unfinished run; continue with --resume d", "run s.cfg -o d --force");

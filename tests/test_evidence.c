@@ -513,8 +513,7 @@ static void test_joint_claims(void)
     /* the printed number is a standard error, or a deviation of so many samples */
     static const char claim[] =
         "id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\terror\tsamples\tmargin\t"
-        "answer\tagainst\tstatement\tnote\nx\t-\tlh\t-\ts\tagrees\t20\t3\t%s\t%s\t9\tt k=2 a\t-\t"
-        "x\t-\n";
+        "answer\tagainst\tstatement\tnote\nx\t-\tlh\t-\ts\tagrees\t20\t3\t%s\t%s\t9\tt k=2 a\t-\tx\t-\n";
     write_text("claims.tsv", claim, "se", "16");
     REPORTS(ASK);
     CHECK_CLAIM("x", "23.25", "+1.1 se");

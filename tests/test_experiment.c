@@ -714,8 +714,7 @@ static void test_turned_walls(void)
     static const char turned[] =
         "dt = 1.0e-4; gravity = (0.0, -1000.0); particles = ( { x = 0.5; y = 0.1; r = 0.1; m = 0.01; } );\n"
         "walls = ( { name = `plate`; polygon = ((-1.0, 0.0), (1.0, 0.0)); closed = false; pivot = (0.7, "
-        "0.4); "
-        "},\n  { name = `line`; point = (1.0, 0.0); direction = (-1.0, 0.0); } );\n"
+        "0.4); },\n  { name = `line`; point = (1.0, 0.0); direction = (-1.0, 0.0); } );\n"
         "tangential = { law = `spring`; mu = 0.9; };\n"
         "phases = ( { name = `lie`; box_turn_deg_per_step = 0.02; steps = 1000; } );\n"
         "measure = ( { name = `px`; of = `plate.x`; }, { name = `py`; of = `plate.y`; },\n"
@@ -972,8 +971,7 @@ static void test_refused_more(void)
          "box_turn_deg_per_step = 0.001; steps", "phase wait: wall plate moves, not in a box that turns"},
         {lift, "omega = 0.0; }; }; steps = 3000; }",
          "omega = 0.0; }; }; box_turn_deg_per_step = 0.001; steps = 9; }, { name = `soft`; dt = 1e-5; steps "
-         "= "
-         "9; }",
+         "= 9; }",
          "phase soft: laws, dt and grains stay in a box that turns"},
         {lift, "tangential = { law = `spring`; mu = 0.5; };\nphases = ( { name = `lie`;",
          "normal = { tension = false; }; hard = { restitution = 0.5; }; phases = ( { name = `lie`; walls = { "
@@ -997,6 +995,12 @@ static void test_refused_more(void)
         {lift, "of = `y`; at = `lie`", "of = `flank`; at = `lie`",
          "of \"flank\": unknown name (did you mean \"flanks\"?)"},
         {lift, "of = `y`; at = `lie`", "of = `y`; unit = `m`", "unit = m: the text's units are cgs; cm"},
+        {lift, "v = 2.0", "v = { value = 2.0; range = `[3, 1]`; }",
+         "let.v: range = \"[3, 1]\": [a, b] from the lower"},
+        {lift, "v = 2.0", "v = { value = 2.0; range = `[`; }",
+         "let.v: range = \"[\": [a, b] from the lower end"},
+        {lift, "v = 2.0", "v = { value = 2.0; range = `1 to 3`; }",
+         "let.v: range = \"1 to 3\": [a, b] from the lower"},
         {lift, "v = 2.0", "v = { value = 2.0; unit = `m/s`; }",
          "let.v: unit = m/s: the text's units are cgs; cm/s"},
         {lift, "name = `x2`; of = `x`", "name = `height`; of = `x`; }, { name = `top`; of = `height`",

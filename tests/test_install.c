@@ -57,10 +57,8 @@ static void test_targets(void)
             "mkdir -p t && echo mine >t/mine && umask 077 && to=\"$PWD/t \xc3\xbc, it's\" && cd $SOURCE && "
             "for k in 1 2; do sh install.sh $BUILD \"$to\" " RP_VERSION " core stats && echo mine >\"$to\"/"
             "share/repose/examples/mine.cfg || exit; done && ar t \"$to\"/lib/librepose.a | grep -q status.o "
-            "&& "
-            "find \"$to\" -type f ! -perm -044 | grep -v mine; make -s B=$BUILD DESTDIR= PREFIX=\"$to\" "
-            "uninstall "
-            ">log; cd \"$to\"/..; find t* ! -type d");
+            "&& find \"$to\" -type f ! -perm -044 | grep -v mine; make -s B=$BUILD DESTDIR= PREFIX=\"$to\" "
+            "uninstall >log; cd \"$to\"/..; find t* ! -type d");
         CU_ASSERT_STRING_EQUAL(out, "t/mine\nt \xc3\xbc, it's/share/repose/examples/mine.cfg\n");
         PASSES("cp -r $PREFIX there && make -sC $SOURCE B=$BUILD DESTDIR=$PWD PREFIX=/there uninstall >log "
                "&& find there ! -type d; find there -name '*repose*'");

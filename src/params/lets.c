@@ -45,8 +45,7 @@ static rp_status read_group(const config_setting_t *group, bool foreign, rp_let 
 /* Is it one of the words of a range of numbers, as in "[1, 10] | none"? */
 static bool is_word_of(const rp_param *let, const rp_value *is, double *value)
 {
-    return is->kind == RP_V_TEXT && strchr("[(", *let->range) && *let->range && strcmp(is->s, "auto") != 0 &&
-           !rp_params_set(let, value, is);
+    return is->kind == RP_V_TEXT && strcmp(is->s, "auto") != 0 && !rp_params_set(let, value, is);
 }
 
 static rp_status read_let(const config_setting_t *root, const config_setting_t *value, rp_let let,
@@ -59,11 +58,15 @@ static rp_status read_let(const config_setting_t *root, const config_setting_t *
     rp_value is;
     if (rp_config_scalar(value, &is))
         return rp_fail(RP_BAD_INPUT, "a number, true, false, a word or an expression expected");
-    const bool word = is_word_of(&param, &is, &let.is.value);
+    const bool brackets = *let.range == '[' || *let.range == '(', whole = rp_range_is_whole(let.range),
+               word = whole && is_word_of(&param, &is, &let.is.value);
     if (word)
         let.is.type = RP_X_NUMBER, let.is.known = true, is.kind = RP_V_REAL;
     else
         RP_TRY(read_value(root, &is, &let.is));
+    if (*let.range && !whole && (brackets || let.is.type == RP_X_NUMBER))
+        return rp_fail(RP_BAD_INPUT,
+                       "range = \"%s\": [a, b] from the lower end to the upper expected, or ( )", let.range);
     const bool infinite = isinf(let.is.value) && strchr(let.range, '|'); /* what such a word stands for */
     let.computed = is.kind == RP_V_TEXT && !(let.is.type == RP_X_WORD && strcmp(let.is.word, is.s) == 0);
     if (*let.range && let.is.type == RP_X_NUMBER && !word && !infinite) {

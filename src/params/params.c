@@ -35,6 +35,19 @@ static numeric_range parse_range(const char *text)
     return r;
 }
 
+bool rp_range_is_whole(const char *text)
+{
+    char *end;
+    if (*text != '[' && *text != '(') return false;
+    const double lo = strtod(text + 1, &end);
+    if (end == text + 1 || *end != ',') return false;
+    const char *second = end + 1;
+    const double hi = strtod(second, &end);
+    if (end == second || (*end != ']' && *end != ')')) return false;
+    end += 1 + strspn(end + 1, " ");
+    return lo <= hi && (*end == '|' || *end == '\0');
+}
+
 const char *rp_word_at(const char *list, int index, char *buffer, size_t size)
 {
     for (int i = 0; list; i++) {

@@ -60,6 +60,9 @@ const rp_param *rp_params_find(const rp_param *schema, const char *name);
 void rp_params_default(const rp_param *param, void *values);
 void rp_params_defaults(const rp_param *schema, void *values);
 
+/* Is it a range of numbers, from the lower end to the upper, as "[0, 1)" or "(0, inf) | infinite"? */
+bool rp_range_is_whole(const char *text);
+
 /* Check `value` against `param` and store it. Errors: RP_BAD_INPUT for a wrong type, a number out of range or
  * not finite, an unknown word. */
 rp_status rp_params_set(const rp_param *param, void *values, const rp_value *value);
