@@ -455,9 +455,9 @@ static void test_ends(void)
 {
     static const trial_change cases[] = {
         {rain, "N = 20", "N = 2000", "no_room"},
-        {rain, "N = 2; kind", "N = 2; r = `0/grains`; kind", "nan"},
-        {rain, "density = 2.0", "density = `0*grains`", "nan"},
-        {lid, "load_y = -10.0", "load_y = `-1/(grains - 2)`", "nan"},
+        {rain, "N = 2; kind", "N = 2; r = `0/grains`; kind", "no_number"},
+        {rain, "density = 2.0", "density = `0*grains`", "no_number"},
+        {lid, "load_y = -10.0", "load_y = `-1/(grains - 2)`", "no_number"},
         {rain, "y = `touch + 0.2`", "y = `touch + 4000`", "too_fast"},
         {rain, "y = `touch + 0.2`", "y = `touch - 0.05`", "no_room"},
         {rain, "repeat = `n`", "until = `added > 4`", "ok"},

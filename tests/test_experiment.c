@@ -296,7 +296,7 @@ static void test_where(void)
     CHECK_OK(exp_advance(one.run, 500));
     CHECK_OK(exp_advance(two.run, 500));
     CHECK_PARTS(exp_where(one.run, text, sizeof text), "fill: energy = ", ", until held(energy < 1e-3, 3)");
-    CU_ASSERT(strcmp(exp_where(two.run, text, sizeof text), "fall") == 0);
+    CU_ASSERT(strcmp(exp_where(two.run, text, sizeof text), "fall: step 500 of 2000") == 0);
 }
 
 static void test_words(void)
@@ -308,11 +308,11 @@ static void test_words(void)
         {hopper, "most = 40000;", "most = 100; go_on = true;", "ok"},
         {hopper, "clogged = `rest`", "deep = `grains < 50`", "deep"},
         {hopper, "N = 60", "N = 6000", "no_room"},
-        {hopper, "`height`", "`sqrt(-height)`", "nan"},
-        {hopper, "`height`", "`sqrt(-height) > 1 ? 1 : 2`", "nan"},
-        {hopper, "clogged = `rest`", "low = `sqrt(-height) < 5`", "nan"},
+        {hopper, "`height`", "`sqrt(-height)`", "no_number"},
+        {hopper, "`height`", "`sqrt(-height) > 1 ? 1 : 2`", "no_number"},
+        {hopper, "clogged = `rest`", "low = `sqrt(-height) < 5`", "no_number"},
         {hopper, "clogged = `rest`", "low = `height < 0 and sqrt(-height) < 5`", "ok"},
-        {hopper, "grains < stop", "not (sqrt(-height) < 5)", "nan"},
+        {hopper, "grains < stop", "not (sqrt(-height) < 5)", "no_number"},
         {hopper, "held(energy < 1e-3, 3)`", "rest`; most = 4000", "not_at_rest"},
         {hopper, "take = `rate`", "when = `grains < 0`; take = `rate`", "no_samples"},
         {hopper, "clogged = `rest`", "narrow = `D < 2`", "narrow"},
@@ -526,6 +526,9 @@ static void test_swept(void)
     CU_ASSERT(cell(&row, 0, "rate") == cell(&t, 5, "rate"));
     scoped_table series = read_table("row/series_mean_y.tsv");
     CU_ASSERT(series.n_rows > 10);
+    SHELL("sed 's/\"rate\"; unit/\"rate\"; series = true; unit/' gone.cfg >r.cfg && $REPOSE run r.cfg -o r "
+          ">out 2>&1 "
+          "&& grep -q '^# units: 1.s.1$' r/series_rate.tsv"); /* that of a sample */
     GOOD("view row --frame flow -o row.svg");
     FAILS(64, "or a phase that has ended", "view row --frame flows -o row.svg");
     GOOD("sweep status s");
@@ -969,6 +972,8 @@ static void test_refused_more(void)
          "phase stop: wall plate moves, not in a box that turns"},
         {lift, "walls = { plate = { velocity = (0.0, 0.0); }; }; steps",
          "box_turn_deg_per_step = 0.001; steps", "phase wait: wall plate moves, not in a box that turns"},
+        {lift, "velocity = (0.0, `v`); }; };", "velocity = (0.0, `v`); load_y = 1.0; speed = 1.0; }; };",
+         "plate: velocity along y, where a load moves it; load_y = \"none\" ends that"},
         {lift, "omega = 0.0; }; }; steps = 3000; }",
          "omega = 0.0; }; }; box_turn_deg_per_step = 0.001; steps = 9; }, { name = `soft`; dt = 1e-5; steps "
          "= 9; }",
@@ -1041,7 +1046,7 @@ static void test_refused_more(void)
     static const trial_change ends[] = {
         /* known to the run alone */
         {lift, "`v`", "`v*(1e5 + y)`", "too_fast"},
-        {lift, "`v`", "`sqrt(-y) > 1 ? 1 : v`", "nan"},
+        {lift, "`v`", "`sqrt(-y) > 1 ? 1 : v`", "no_number"},
         {lift, "every = 10;", "x_max = -9.0; every = 10;", "outside"},
         {lift, "measure = ( {",
          "regions = { up = { x = (0.0, `1 - step`); }; }; measure = ( { name = `s`; of = `up.x`; }, {",

@@ -155,8 +155,8 @@ static bool draw_grain(exp_run *run, const exp_phase *p, dem_grain *g)
     g->m = dem_mass(plan->scene.def.shape, density, g->r);
     const double x[2] = {exp_value(run, &a->x[0]), exp_value(run, &a->x[1])};
     if (!(g->r > 0.0) || !(g->m > 0.0) || !(gap >= 0.0) || !isfinite(x[0]) || !isfinite(x[1])) {
-        exp_conclude(run, "nan", "%s: r = %g, density = %g, gap = %g, x = %g to %g", p->name, g->r, density,
-                     gap, x[0], x[1]);
+        exp_conclude(run, "no_number", "%s: r = %g, density = %g, gap = %g, x = %g to %g", p->name, g->r,
+                     density, gap, x[0], x[1]);
         return false;
     }
     for (int k = 0; k < TRIES; k++) {
@@ -200,7 +200,7 @@ void exp_add_grains(exp_run *run, const exp_phase *p)
 {
     const double n = exp_value(run, &p->add.n);
     if (!(n >= 0.0 && n <= 1e8)) {
-        exp_conclude(run, "nan", "phase %s: add: N \"%s\" is %g", p->name, p->add.n.x.text, n);
+        exp_conclude(run, "no_number", "phase %s: add: N \"%s\" is %g", p->name, p->add.n.x.text, n);
         return;
     }
     for (long k = lround(n); k > 0 && !run->failed && !run->at.done; k--) add_grain(run, p);
@@ -298,8 +298,8 @@ void exp_push_walls(exp_run *run)
             double force = exp_value(run, &m->load[c]);
             loaded = true;
             if (!isfinite(force) || !isfinite(most))
-                exp_conclude(run, "nan", "%s: load \"%s\" is %g, speed %g", wall->name, m->load[c].x.text,
-                             force, most);
+                exp_conclude(run, "no_number", "%s: load \"%s\" is %g, speed %g", wall->name,
+                             m->load[c].x.text, force, most);
             for (size_t k = 0; k < wall->n; k++) force += dem_wall_now(run->sim, wall->walls[k]).force[c];
             v[c] = fmin(fmax(v[c] + dt / mass * force, -most), most);
         }

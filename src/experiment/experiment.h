@@ -71,7 +71,8 @@ long exp_steps(const exp_run *run);   /* so far */
 const exp_end *exp_ended(const exp_run *run);
 const double *exp_values(const exp_run *run); /* of the outputs; NAN: none */
 
-/* The phase, and how far it is: "discharge: grains = 842, until grains < 300". Returns `text`. */
+/* The phase, and how far it is: "discharge: grains = 842, until grains < 300", "fall: step 500 of 2000".
+ * Returns `text`. */
 const char *exp_where(const exp_run *run, char *text, size_t size);
 
 /* Phases and blocks in the order of the text. How often one has ended (a block once, with its passes), and

@@ -250,7 +250,8 @@ static rp_status reduce(const exp_run *run, const exp_measure *m, double out[])
         return rp_fail(RP_NO_RESULT, "no samples: phase %s is looked at every %ld steps",
                        run->plan->phases[m->phase].name, run->plan->phases[m->phase].every);
     for (size_t i = 0; i < all->n; i++)
-        if (!isfinite(all->at[i].value)) return rp_fail(RP_NO_RESULT, "a sample is %g", all->at[i].value);
+        if (!isfinite(all->at[i].value))
+            return rp_fail(RP_NO_RESULT, "a sample is %g; `when` leaves samples out", all->at[i].value);
     RP_TRY(take_counting(run, m, &arena, &s));
     if (s.n == 0) return rp_fail(RP_NO_RESULT, "one sample, and skip = %g", m->skip);
     RP_NEW(&arena, v, s.n);
@@ -303,7 +304,8 @@ static void measure(exp_run *run, size_t k)
         RP_SCOPE(arena);
         const rp_x_values values = {run, exp_observe};
         const char *names = rp_expression_operands(&arena, &m->of.x, &values);
-        exp_conclude(run, "nan", "%s = \"%s\" is %g; %s", m->name, m->of.x.text, out[0], names ? names : "");
+        exp_conclude(run, "no_number", "%s = \"%s\" is %g; %s", m->name, m->of.x.text, out[0],
+                     names ? names : "");
     }
     out[0] = NAN;
 }
@@ -354,8 +356,7 @@ void exp_series_write(const exp_run *run, size_t k, FILE *out)
         m->module->write(m->params, s->taken, s->sums, out);
         return;
     }
-    const char *const columns[][2] = {
-        {"step", ""}, {"time", rp_unit("s")}, {m->name, run->plan->outputs[m->output].unit}};
+    const char *const columns[][2] = {{"step", ""}, {"time", rp_unit("s")}, {m->name, m->series_unit}};
     rp_table_columns(out, 3, columns);
     for (const exp_sampled *at = s->at; at < s->at + s->n; at++)
         rp_table_row(out, 3, (double[]){at->step, at->time, at->value});

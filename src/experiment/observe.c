@@ -505,7 +505,7 @@ double exp_number(exp_run *run, const char *key, const exp_expression *e)
     if (!isnan(value) || run->failed || run->at.done) return value;
     RP_SCOPE(arena);
     const char *names = exp_operands(&arena, run, e);
-    exp_conclude(run, "nan", "phase %s, step %ld: %s \"%s\" is nan; %s",
+    exp_conclude(run, "no_number", "phase %s, step %ld: %s \"%s\" is nan; %s",
                  run->plan->phases[run->at.phase].name, run->at.phase_step, key, e->x.text,
                  names ? names : "");
     return value;

@@ -254,7 +254,7 @@ static void begin_phase(exp_run *run)
                                                  : (double)p->most;
     run->at.most = least >= 0.0 && least <= 9e15 ? lround(least) : -1;
     if (run->at.most < 0 && !run->failed)
-        exp_conclude(run, "nan", "phase %s: %s \"%s\" is %g", p->name,
+        exp_conclude(run, "no_number", "phase %s: %s \"%s\" is %g", p->name,
                      p->ending == EXP_STEPS ? "steps" : "time", p->end.x.text, least);
     for (size_t k = 0; k < run->plan->n_measures; k++)
         if (run->plan->measures[k].phase == run->at.phase && p->block == SIZE_MAX)
@@ -426,6 +426,8 @@ const char *exp_where(const exp_run *run, char *text, size_t size)
     if (p->ending == EXP_UNTIL && run->at.started) {
         const char *now = exp_operands(&arena, run, &p->end);
         snprintf(text, size, "%s: %s, until %s", p->name, now ? now : "", p->end.x.text);
+    } else if (run->at.started) {
+        snprintf(text, size, "%s: step %ld of %ld", p->name, run->at.phase_step, run->at.most);
     } else {
         snprintf(text, size, "%s", p->name);
     }

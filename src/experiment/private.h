@@ -70,7 +70,8 @@ typedef struct {
 /* What a wall does from here on: a motion, a load along x or y in which it is free, or the end of that. */
 typedef enum { EXP_SAME, EXP_LOADED, EXP_FREED } exp_loading;
 typedef struct {
-    size_t wall;    /* number among the plan's */
+    size_t wall; /* number among the plan's */
+    const config_setting_t *setting;
     bool each_step; /* it asks for what changes from step to step */
     exp_expression velocity[2], omega;
     exp_loading loading[2];
@@ -127,8 +128,8 @@ enum { TAKE_VALUE, TAKE_MEAN, TAKE_MAX, TAKE_MIN, TAKE_FIRST, TAKE_RATE, TAKE_AV
 
 typedef struct {
     const char *name, *at, *during, *unit, *meaning, *prefix, *in, *wall, *level_of;
-    size_t levels_with; /* number of that measure, or its own */
-    const char *file;   /* of its table */
+    size_t levels_with;             /* number of that measure, or its own */
+    const char *file, *series_unit; /* of its table */
     int take;
     long every;
     double skip, drop; /* share, INFINITY: where it levels off; least fall of an avalanche, or INFINITY */

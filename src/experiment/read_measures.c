@@ -192,6 +192,12 @@ static const char *unit_named(const char *of)
     return o ? rp_unit(o->unit) : "";
 }
 
+/* That of a sample. */
+static const char *sampled_unit(const exp_measure *m, const char *of)
+{
+    return !m->module ? unit_named(of) : m->pick >= 0 ? rp_unit(m->module->outputs[m->pick].unit) : "";
+}
+
 /* The unit of a column of what is made of samples: as given, or of `of`, over time where it is a rate and
  * over that of `against` where it is a rise. */
 static const char *unit_of(exp_plan *plan, const exp_measure *m, const char *of, const char *ending)
@@ -201,9 +207,7 @@ static const char *unit_of(exp_plan *plan, const exp_measure *m, const char *of,
                *over = m->take == TAKE_RATE                                    ? rp_unit("s")
                        : m->take == TAKE_LINE && strncmp(ending, "_1", 2) == 0 ? unit_named(against)
                                                                                : "";
-    const char *unit = !m->module     ? unit_named(of)
-                       : m->pick >= 0 ? rp_unit(m->module->outputs[m->pick].unit)
-                                      : "";
+    const char *unit = sampled_unit(m, of);
     if (*m->unit) return m->unit;
     if (*over) unit = rp_text(&plan->arena, "%s/%s", *unit ? unit : "1", over);
     return unit ? unit : "";
@@ -224,6 +228,7 @@ static rp_status name_outputs(exp_plan *plan, exp_measure *m)
                                         of ? of : "a number", *m->during ? "during" : "at the end of",
                                         plan->phases[m->phase].name)));
     m->n_outputs = plan->n_outputs - m->output;
+    m->series_unit = *m->unit && m->take != TAKE_RATE ? m->unit : sampled_unit(m, given);
     return RP_OK;
 }
 

@@ -106,6 +106,7 @@ static rp_status read_move(const config_setting_t *setting, exp_place *place, ex
     exp_plan *plan = place->plan;
     const char *name = config_setting_name(setting);
     bool coefficients = false;
+    m->setting = setting;
     RP_TRY(exp_find(plan, EXP_WALL, setting, NULL, name, &m->wall));
     if (!config_setting_is_group(setting))
         return rp_config_fail(setting, "%s: a group { ... } expected", name);
@@ -313,9 +314,14 @@ static rp_status check_turned(exp_plan *plan, size_t k)
         const bool shifts = !is_zero(&m->velocity[0]) || !is_zero(&m->velocity[1]);
         if (exp_given(&m->velocity[0])) *moving = (*moving & ~SHIFTS) | (shifts ? SHIFTS : 0);
         if (exp_given(&m->omega)) *moving = (*moving & ~SWINGS) | (is_zero(&m->omega) ? 0 : SWINGS);
-        for (unsigned c = 0; c < 2; c++)
+        for (unsigned c = 0; c < 2; c++) {
             if (m->loading[c] != EXP_SAME)
                 *moving = (*moving & ~(LOADED << c)) | (m->loading[c] == EXP_LOADED ? LOADED << c : 0);
+            if ((*moving & LOADED << c) && !is_zero(&m->velocity[c]))
+                return rp_config_fail(
+                    m->setting, "%s: velocity along %c, where a load moves it; load_%c = \"none\" ends that",
+                    plan->walls[m->wall].name, "xy"[c], "xy"[c]);
+        }
     }
     for (size_t w = 0; w < plan->n_walls; w++)
         if (p->turned && p->moving[w])

@@ -14,6 +14,7 @@ static rp_status act_merge(cli_call *call, const void *values)
     while (cli_argument(call, n + 1)) n++;
     RP_TRY(sweep_merge(cli_argument(call, 0), sweep_protocols, (size_t)n, call->arguments + 1, &merged,
                        &counts));
+    if (n > 0) RP_TRY(sweep_status(cli_argument(call, 0), sweep_protocols, &counts)); /* its own shards too */
     rp_table_note(stdout, "merged",
                   "%zu rows of %zu stores, %zu duplicates, %zu rows of other plans left out", merged.taken,
                   merged.stores, merged.duplicates, merged.foreign);
