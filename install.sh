@@ -1,24 +1,24 @@
 #!/bin/sh
 # Install Repose, as `make install` does: install.sh BUILD FOLDER VERSION MODULE... FOLDER is DESTDIR and PREFIX. No path
 # is written into a file, so that the folder can be moved. All is made in a folder of its own, and copied when it is
-# whole. share/doc/repose/installed.txt lists it: --remove FOLDER takes away these files, and what folders of the program
+# whole; $list has its files: --remove FOLDER takes away these files, and what folders of the program
 # they leave empty.
 set -e
 umask 022
+list=share/doc/repose/installed.txt
 remove() { # remove FOLDER
-    list=share/doc/repose/installed.txt
     (
         cd "$1"
-        if ! [ -f $list ]; then exit 0; fi
+        if ! [ -f $list ]; then exit 0; fi # nothing is there, or of a version without a list
         folders=$(while read -r file; do
             while file=${file%/*} && [ "$file" != "${file#*/repose}" ]; do echo "$file"; done
         done <$list | sort -ru)
         while read -r file; do rm -f "$file"; done <$list
-        rm -f $list
         for folder in $folders; do rmdir "$folder" 2>/dev/null || true; done
     )
 }
 if [ "$1" = --remove ]; then
+    [ -f "$2/$list" ] || { echo "$2: no installation with a list of its files" >&2 && exit 1; }
     remove "$2"
     exit
 fi
@@ -90,8 +90,9 @@ pc repose-statics "static equilibrium of soft disks" gsl -lcholmod
 pc repose-angle "angles of repose, tilting and marginal stability" "gsl nlopt"
 pc repose-stress "stress in piles, pressure on their base" gsl
 
-(cd "$to" && find . ! -type d | sed 's,^\./,,' | sort) >"$to/installed.txt"
 mkdir -p "$target"
 remove "$target" # of another version
-mv "$to/installed.txt" "$to/share/doc/repose"
-cp -R -P --remove-destination "$to/." "$target"
+(cd "$to" && : >$list && find . ! -type d | sed 's,^\./,,' | sort >$list) # with the list itself
+while read -r file; do # folders that are links stay so
+    mkdir -p "$target/${file%/*}" && cp -P -T --remove-destination "$to/$file" "$target/$file"
+done <"$to/$list"

@@ -52,14 +52,17 @@ static void test_targets(void)
     CU_ASSERT(strstr(out, "\"/d/p\" " RP_VERSION " sweep exp analytic dem statics angle stress stats core") !=
               NULL);
     if (!getenv("RP_INSTALLED")) {
-        /* what a person has put among the files stays; a name that is not plain is one folder */
+        /* what a person has put among the files stays, a folder that is a link too; a name that is not plain
+         * is one folder */
         PASSES(
-            "mkdir -p t && echo mine >t/mine && umask 077 && to=\"$PWD/t \xc3\xbc, it's\" && cd $SOURCE && "
+            "mkdir -p t && echo mine >t/mine && umask 077 && to=\"$PWD/t \xc3\xbc, it's\" && "
+            "mkdir \"$to\" real && ln -s ../real \"$to/bin\" && cd $SOURCE && "
             "for k in 1 2; do sh install.sh $BUILD \"$to\" " RP_VERSION " core stats && echo mine >\"$to\"/"
             "share/repose/examples/mine.cfg || exit; done && ar t \"$to\"/lib/librepose.a | grep -q status.o "
             "&& find \"$to\" -type f ! -perm -044 | grep -v mine; make -s B=$BUILD DESTDIR= PREFIX=\"$to\" "
-            "uninstall >log; cd \"$to\"/..; find t* ! -type d");
-        CU_ASSERT_STRING_EQUAL(out, "t/mine\nt \xc3\xbc, it's/share/repose/examples/mine.cfg\n");
+            "uninstall >log; cd \"$to\"/..; find t* ! -type d | LC_ALL=C sort");
+        CU_ASSERT_STRING_EQUAL(
+            out, "t \xc3\xbc, it's/bin\nt \xc3\xbc, it's/share/repose/examples/mine.cfg\nt/mine\n");
         PASSES("cp -r $PREFIX there && make -sC $SOURCE B=$BUILD DESTDIR=$PWD PREFIX=/there uninstall >log "
                "&& find there ! -type d; find there -name '*repose*'");
         CU_ASSERT_STRING_EQUAL(out, "");
