@@ -209,10 +209,8 @@ void exp_keep_end(exp_run *run, size_t phase)
 /* Steps of a phase; -1: it ends by a condition, or by what the run alone knows. */
 static long steps_of(const exp_phase *p)
 {
-    const double value = p->end.x.known ? p->end.x.value : NAN, n = p->ending == EXP_STEPS ? value
-                                                                    : p->ending == EXP_TIME
-                                                                        ? value / p->laws.physics.dt
-                                                                        : NAN;
+    double n = p->ending != EXP_UNTIL && p->end.x.known ? p->end.x.value : NAN;
+    if (p->ending == EXP_TIME) n /= p->laws.physics.dt;
     return n >= 0.0 && n <= 9e15 ? lround(n) : -1;
 }
 

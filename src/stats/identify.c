@@ -560,21 +560,31 @@ static void judge(const search *s, bool converged, bool lacks, stats_answer *a)
     }
 }
 
+enum { FIRST_REPLICAS = 2 };
+
+rp_status stats_first_stage(const stats_quest *q, size_t *points, size_t *runs)
+{
+    *points = 8 * q->n_names + 4;
+    *runs = *points * FIRST_REPLICAS * q->n_groups;
+    return q->fixed_runs || *runs <= q->budget
+               ? RP_OK
+               : rp_fail(RP_BAD_INPUT, "budget = %zu: the first stage needs %zu runs", q->budget, *runs);
+}
+
 static rp_status go(search *s, gsl_qrng *sobol, stats_answer *a)
 {
     const stats_quest *q = s->q;
-    size_t replicas[STATS_NUMBERS], n = 8 * q->n_names + 4;
+    size_t replicas[STATS_NUMBERS], n, first;
     bool smaller = true, good = false, paid = true, lacks = false;
     double *x, last_lo[STATS_NAMES], last_hi[STATS_NAMES];
-    for (size_t g = 0; g < STATS_NUMBERS; g++) replicas[g] = 2;
+    RP_TRY(stats_first_stage(q, &n, &first));
+    for (size_t g = 0; g < STATS_NUMBERS; g++) replicas[g] = FIRST_REPLICAS;
     for (;;) {
         size_t cost = 0;
         const double *points;
         stats_runs *runs = NULL;
         for (size_t g = 0; g < q->n_groups; g++) cost += n * replicas[g];
         paid = q->fixed_runs || a->n_runs + cost <= q->budget;
-        if (!paid && a->stages == 0)
-            return rp_fail(RP_BAD_INPUT, "budget = %zu: the first stage needs %zu runs", q->budget, cost);
         if (!paid) a->n_next = cost;
         if (!paid) break;
         if (!q->fixed_runs) {

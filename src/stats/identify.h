@@ -84,6 +84,9 @@ typedef struct {
     double weight[STATS_NAMES], sum, sum_error;
 } stats_answer;
 
+/* Points of the first stage, and its runs of all groups. Errors: RP_BAD_INPUT (beyond the budget). */
+rp_status stats_first_stage(const stats_quest *quest, size_t *points, size_t *runs);
+
 /* Errors: RP_BAD_INPUT (numbers of names or numbers, no range, a value, an error of 0, too few points),
  * RP_NO_RESULT (too few points with numbers), RP_NO_MEMORY, RP_BROKEN, those of `run`. A budget that ends the
  * search is a status. */

@@ -623,13 +623,11 @@ static rp_status conclude(const problem *s, const stats_answer *a)
 
 static rp_status plan_alone(const problem *s)
 {
-    const size_t n = 8 * s->quest.n_names + 4;
-    if (s->quest.budget < 2 * n * s->quest.n_groups && !s->quest.fixed_runs)
-        return rp_fail(RP_BAD_INPUT, "%s: budget = %zu: the first stage needs %zu runs", s->path,
-                       s->quest.budget, 2 * n * s->quest.n_groups);
+    size_t points, runs;
+    RP_TRY(rp_prefix(stats_first_stage(&s->quest, &points, &runs), "%s: ", s->path));
     cli_provenance(s->call, stdout);
-    rp_table_note(stdout, "first stage", "%zu points, %zu runs; at most %zu in all", n,
-                  2 * n * s->quest.n_groups, s->quest.budget);
+    rp_table_note(stdout, "first stage", "%zu points, %zu runs; at most %zu in all", points, runs,
+                  s->quest.budget);
     rp_table_header(stdout, "number, group, value, error");
     for (size_t k = 0; k < s->quest.n_numbers; k++) {
         printf("%s\t", s->number[k].of);

@@ -210,11 +210,10 @@ const cli_command cmd_stats_trend = {
     "stats trend",
     "does a column of a table of runs depend on another?",
     "TABLE... -x COLUMN -y COLUMN [options]",
-    "Does y depend on x? Least squares, one row per group. Errors come from the scatter at each x, which "
-    "counts\n"
-    "as the same at all (else: --power, or equal numbers of rows); with --pair, from the slopes of single "
-    "piles\n"
-    "that have a row at every x. Words in column x count as 0, 1, ... in the order in which they appear.\n"
+    "Does y depend on x? Least squares, one row per group. Errors come from the scatter at each x, which\n"
+    "counts as the same at all (else: --power, or equal numbers of rows); with --pair, from the slopes of\n"
+    "single piles that have a row at every x. Words in column x count as 0, 1, ... in the order in which\n"
+    "they appear.\n"
     "  change    of the fitted line over the whole range of x; change_lo, change_hi: 95 % interval;\n"
     "            change_lo90, change_hi90: 90 % interval\n"
     "  p_value   of the slope, two-sided, Student's t; p_holm: corrected for the number of groups\n"
