@@ -158,6 +158,7 @@ static void test_refused(void)
          "don't go together"}};
     write_text("slide.cfg", "%s", slide);
     CHECK_REFUSED(cases, "fit.cfg", "calibrate fit.cfg -o r --quiet");
+    CHECK_REFUSED(cases, "fit.cfg", "calibrate fit.cfg --dry-run");
     SHELL("! test -e r/stage_1_1"); /* before any run */
     FAILS(64, "says what is measured", "calibrate fit.cfg --theta-r-deg 20 --error-deg 1");
 }
