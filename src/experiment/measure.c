@@ -247,8 +247,8 @@ static rp_status reduce(const exp_run *run, const exp_measure *m, double out[])
     double *v, *work;
     stats_series series = {0};
     if (all->n == 0)
-        return rp_fail(RP_NO_RESULT, "no samples: phase %s is looked at every %ld steps",
-                       run->plan->phases[m->phase].name, run->plan->phases[m->phase].every);
+        return rp_fail(RP_NO_RESULT, "no samples of phase %s: one is taken every %ld steps%s",
+                       run->plan->phases[m->phase].name, m->every, m->when.x.text ? " if `when` holds" : "");
     for (size_t i = 0; i < all->n; i++)
         if (!isfinite(all->at[i].value))
             return rp_fail(RP_NO_RESULT, "a sample is %g; `when` leaves samples out", all->at[i].value);

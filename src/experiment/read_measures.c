@@ -309,6 +309,7 @@ rp_status exp_name_measures(exp_plan *plan)
 rp_status exp_read_measure(exp_plan *plan, size_t k)
 {
     exp_measure *m = &plan->measures[k];
+    const exp_phase *p = &plan->phases[m->phase];
     const config_setting_t *when = member(m->setting, "when"), *event = member(m->setting, "event");
     const exp_key_of keys[] = {{"of", m->module ? NULL : &m->of},
                                {"event", &m->event, .type = RP_X_TRUTH},
@@ -325,6 +326,11 @@ rp_status exp_read_measure(exp_plan *plan, size_t k)
     m->states[0] = plan->n_states;
     RP_TRY(exp_read_keys(m->setting, "", keys, &place));
     m->states[1] = plan->n_states;
+    if (*m->during && !m->optional && !m->left_out && p->ending == EXP_STEPS && p->end.x.known &&
+        p->end.x.value < (double)(p->least + m->every))
+        return rp_config_fail(m->setting,
+                              "measure %s: no samples: phase %s has %g steps; one is taken every %ld",
+                              m->name, p->name, p->end.x.value, m->every);
     if (m->take == TAKE_VALUE && m->of.x.n_states > 0)
         return rp_config_fail(member(m->setting, "of"), "change and held need samples, during = \"PHASE\"");
     return RP_OK;

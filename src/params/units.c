@@ -1,8 +1,11 @@
 /* Systems of units; see units.h. */
 #include "core/elementary.h"
+#include "params/params.h"
 #include "params/units.h"
 
+#include <ctype.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -66,9 +69,26 @@ const char *rp_unit(const char *cgs)
     return i < N_UNITS ? units[i].label[now] : cgs;
 }
 
+/* Has a label a unit that the system lacks? m, g, t, h and d are left alone: mass, gravity, height. */
+static bool is_foreign(const char *label)
+{
+    static const char everywhere[] =
+        "nm um µm mm km inch ft ug mg us ms min rpm kHz mN kN mJ kJ hPa kPa MPa GPa bar atm",
+                      *const here[] = {"kg N J Pa", "cm dyn erg", "cm s kg N J Pa dyn erg"};
+    char word[16];
+    for (int list = 0; list < 2; list++)
+        for (int i = 0; *rp_word_at(list ? here[now] : everywhere, i, word, sizeof word); i++)
+            for (const char *at = label; (at = strstr(at, word)); at++)
+                if ((at == label || !isalpha((unsigned char)at[-1])) &&
+                    !isalpha((unsigned char)at[strlen(word)]))
+                    return true;
+    return false;
+}
+
 rp_status rp_unit_check(const char *label)
 {
-    const char *meant = label;
+    static const char *const of_system[] = {"cm, g, s, dyn, erg", "m, kg, s, N, J, Pa", "sigma, m, |g|"};
+    const char *meant = is_foreign(label) ? of_system[now] : label;
     for (size_t i = 0; i < N_UNITS; i++) {
         const char *const *const of = units[i].label;
         if (strcmp(of[now], label) == 0) return RP_OK;

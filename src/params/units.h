@@ -24,7 +24,8 @@ rp_units rp_units_find(const char *word);
  * are. */
 const char *rp_unit(const char *cgs);
 
-/* RP_BAD_INPUT for a label that is one of another system, and none of this. */
+/* RP_BAD_INPUT for a label with a unit of another system, or with a multiple (mm): numbers are not converted.
+ */
 rp_status rp_unit_check(const char *label);
 
 /* A number of such a quantity in cgs, converted to the system that holds; 12 digits. */
