@@ -135,6 +135,8 @@ static void test_slurm(void)
         {65, "--time 1:00:00 and --mem 1G expected", "sweep slurm d --shards 2 --mem '1 G'"},
         {65, "--shards 1001: Slurm takes arrays of up to 1000 tasks, unless its MaxArraySize is raised; give",
          "sweep slurm d --shards 1001"},
+        {65, "array.sh: is not what these options say; move it away for a new one",
+         "sweep slurm d --shards 6"},
         {65, "none: no such folder", "sweep slurm none --shards 2"}};
     static char script[4096];
     char folder[512], program[512];
@@ -146,7 +148,8 @@ static void test_slurm(void)
     slurp("folder", folder, sizeof folder);
     slurp("program", program, sizeof program);
     slurp("d/array.sh", script, sizeof script);
-    SHELL("\"$REPOSE\" sweep slurm d --shards 1000 >most && grep -q -- '^#SBATCH --array=1-1000$' "
+    SHELL("rm d/array.sh; \"$REPOSE\" sweep slurm d --shards 1000 >most && grep -q -- '^#SBATCH "
+          "--array=1-1000$' "
           "d/array.sh");
     CU_ASSERT_STRING_EQUAL(out,
                            check_text("sbatch %s/array.sh\nparallel -q --sshlogin HOST1,HOST2 %s sweep run "

@@ -2,6 +2,7 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "cli/cli.h"
 
@@ -89,6 +90,7 @@ static rp_status act_slurm(cli_call *call, const void *values)
     const slurm_options *o = values;
     char dir[PATH_MAX], self[PATH_MAX];
     const char *shards, *path;
+    char *there;
     FILE *out;
     if (!realpath(cli_argument(call, 0), dir) || !rp_program(self, sizeof self))
         return rp_fail(RP_BAD_INPUT, "%s: no such folder", cli_argument(call, 0));
@@ -103,10 +105,19 @@ static rp_status act_slurm(cli_call *call, const void *values)
     RP_TRY(rp_path(call->arena, &shards, "%s/shards", dir));
     RP_TRY(rp_path(call->arena, &path, "%s/array.sh", dir));
     RP_TRY(rp_make_directory(shards));
+    const char *folder = quoted(call->arena, dir), *program = quoted(call->arena, self),
+               *script = rp_text(call->arena, array_script, o->shards, o->j, o->time, o->mem, folder,
+                                 o->shards, program, folder, o->shards, o->j);
+    if (access(path, F_OK) == 0) { /* a person may have added an account or a partition */
+        RP_TRY(rp_file_read(path, &there));
+        const bool same = strcmp(there, script) == 0;
+        free(there);
+        if (!same)
+            return rp_fail(RP_BAD_INPUT, "%s: is not what these options say; move it away for a new one",
+                           path);
+    }
     RP_TRY(rp_file_open(path, &out));
-    const char *folder = quoted(call->arena, dir), *program = quoted(call->arena, self);
-    fprintf(out, array_script, o->shards, o->j, o->time, o->mem, folder, o->shards, program, folder,
-            o->shards, o->j);
+    fputs(script, out);
     RP_TRY(rp_file_close(path, out, RP_OK));
     printf(
         "sbatch %s\nparallel -q --sshlogin HOST1,HOST2 %s sweep run %s --shard {}/%ld -j %ld ::: $(seq %ld)\n"
@@ -126,7 +137,8 @@ const cli_command cmd_sweep_slurm = {
     slurm_params,
     .refuses =
         "A folder that is not there; times and sizes that sbatch would not take; more than 1000 shards,\n"
-        "the usual limit of an array: give each more processors (-j).",
+        "the usual limit of an array: give each more processors (-j); an array.sh of other options, or "
+        "changed.",
     .prints_text = true,
     .act = act_slurm};
 
