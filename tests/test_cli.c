@@ -597,6 +597,8 @@ static void test_outline(void)
     CU_ASSERT(run("angle slope outline.csv --width 6 --cell 1") == 0 && !*err);
     SHELL("sed -i s/-0.45/-0.55/ outline.csv");
     FAILS(1, "the lowest y -0.55, where", "angle slope outline.csv --width 6 --cell 1");
+    SHELL("sed -i s/-0.55/0.1/ outline.csv; echo 5.5 -3 >>outline.csv"); /* beyond the width */
+    GOOD("angle slope outline.csv --width 5 --cell 1");
     /* grains: their mean diameter, by name or in the third column */
     write_text("outline.csv", "0.5 9 0.3\n1.5 8 0.5\n2.5 7 0.7\n3.5 6 0.5\n4.5 5 0.5\n");
     PRINTS("\n# cell: 1 mean diameter of the grains\n", "angle slope outline.csv --width 5");

@@ -277,11 +277,11 @@ rp_status sweep_store_check_outputs(sweep_store *s, const char *schema, const ch
 static rp_status set_aside(sweep_store *s, const sweep_protocol *protocol, rp_arena *arena,
                            const char **table)
 {
-    size_t lacks = 0;
+    bool lacks = false;
     sqlite3_str *names = sqlite3_str_new(s->db);
     for (const sweep_output *o = protocol->outputs; o->name; o++) {
         sqlite3_str_appendf(names, "%s%s", sqlite3_str_length(names) ? ", " : "", o->name);
-        lacks += !sweep_store_has(s, "main", o->name);
+        lacks |= !sweep_store_has(s, "main", o->name);
     }
     char *now = sqlite3_str_finish(names);
     sqlite3_stmt *q = sweep_sql_query(
