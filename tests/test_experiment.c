@@ -1012,6 +1012,8 @@ static void test_refused_more(void)
          "let.v: unit = m/s: the text's units are cgs; cm/s"},
         {lift, "v = 2.0", "v = { value = 2.0; unit = `mm/s`; }",
          "let.v: unit = mm/s: the text's units are cgs; cm, g, s, dyn, erg"},
+        {lift, "v = 2.0", "v = { value = 2.0; unit = `J`; }",
+         "let.v: unit = J: the text's units are cgs; erg"},
         {lift, "v = 2.0", "v = { value = 2.0; unit = `1/min`; }",
          "let.v: unit = 1/min: the text's units are cgs"},
         {lift, "name = `x2`; of = `x`", "name = `height`; of = `x`; }, { name = `top`; of = `height`",
