@@ -13,7 +13,8 @@ static const char slide[] =
     "fill = { N = 4; pattern = \"row\"; W = 0.9; x0 = 0.0; };\n"
     "phases = ( { name = \"go\"; time = \"T\"; } );\n"
     "measure = ( { name = \"way\"; of = \"x\"; }, { name = \"v\"; of = \"vx + 0.1*x\"; },\n"
-    "            { name = \"both\"; of = \"vx + 20*mu_roll\"; } );\n";
+    "            { name = \"both\"; of = \"vx + 20*mu_roll\"; }, { name = \"twice\"; of = \"2*vx + "
+    "40*mu_roll\"; } );\n";
 
 static void write_fit(const char *measured)
 {
@@ -68,7 +69,7 @@ static void test_runs(void)
     SHELL("sed -i 's/.*of = .v.*/ );/; s/error = 0.5; },/error = 0.5; }/' two.cfg && ! $REPOSE "
           "calibrate two.cfg -o f >out 2>err");
     CHECK_PARTS(
-        err, "not_identified: ", /* both = 25 - 43.3 mu + 20 mu_roll */
+        err, "not_identified: ", /* both = 25 - 43.3 mu + 20 mu_roll, of which twice tells no more */
         "determined is mu - 0.462 mu_roll = 0.208 +- 0.012; best to separate the names: v of slide.cfg");
     /* best values at an end of their range */
     SHELL("sed -i 's/ where = .*2.mu.; / /; s/16.0; error = 0.5/34.0; error = 9.0/' two.cfg && ! $REPOSE "
