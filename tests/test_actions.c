@@ -221,6 +221,7 @@ static const char rain[] =
     "  { name = `n2`; of = `grains`; at = `cloud`; },\n"
     "  { name = `lost`; of = `right.grains`; at = `cloud`; },\n"
     "  { name = `n3`; of = `grains`; at = `clear`; }, { name = `gone`; of = `out`; at = `clear`; },\n"
+    "  { name = `own`; of = `stone.energy/(0.5*stone.mass*(stone.vx^2 + stone.vy^2))`; at = `rain`; },\n"
     "  { name = `stones`; of = `stone.grains`; } );\n";
 
 static void test_added(void)
@@ -236,6 +237,7 @@ static void test_added(void)
     const double lost = measured(&t, "lost");
     CHECK_EACH(measured(&t, NAME), 0.0, {"n1", 12.0}, {"added1", 13.0}, {"n2", 33.0}, {"n3", 33.0 - lost},
                {"gone", lost}, {"stones", 0.0});
+    CHECK_NEAR(measured(&t, "own"), 1.0, 1e-12);
     CU_ASSERT(lost > 1.0 && fabs(measured(&t, "x")) < 1.0 && measured(&t, "moved") >= 0.0);
 }
 

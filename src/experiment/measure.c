@@ -264,11 +264,9 @@ static rp_status reduce(const exp_run *run, const exp_measure *m, double out[])
     for (size_t i = 0; i < s.n; i++)
         if (m->take == TAKE_MAX ? v[i] > out[0] : m->take == TAKE_MIN && v[i] < out[0]) out[0] = v[i];
     if (m->take != TAKE_MEAN) return RP_OK;
-    out[0] = 0.0;
-    for (size_t i = 0; i < s.n; i++) out[0] += v[i] / (double)s.n;
-    (void)stats_blocking(s.n, v, work, &series); /* a mean without an error is one */
-    if (isfinite(series.mean)) out[0] = series.mean;
-    out[1] = series.sd, out[2] = series.se;
+    const rp_status blocked = stats_blocking(s.n, v, work, &series);
+    if (isnan(series.mean)) return blocked; /* one without an error is one */
+    out[0] = series.mean, out[1] = series.sd, out[2] = series.se;
     /* of few blocks widened, so that 2 se hold 95 % */
     const size_t blocks = series.block ? series.n / series.block : 0;
     if (blocks > 0 && blocks < FEW)
