@@ -5,25 +5,40 @@
 
 const char *check_text(const char *format, ...)
 {
-    static char texts[16][4096];
+    static char *texts[1024];
     static unsigned next;
-    char *text = texts[next++ % 16];
+    char **text = &texts[next++ % (sizeof texts / sizeof *texts)];
     va_list args;
+    free(*text);
     va_start(args, format);
-    const int length = vsnprintf(text, sizeof *texts, format, args);
+    CU_ASSERT_FATAL(vasprintf(text, format, args) >= 0);
     va_end(args);
-    CU_ASSERT_FATAL(length >= 0 && (size_t)length < sizeof *texts);
-    return text;
+    return *text;
 }
 
-void check_all_near(const char *file, int line, const char *rows, double tolerance, size_t n,
-                    const double pairs[][2])
+bool check_near(const char *file, int line, const char *what, double a, double b, double tolerance)
 {
-    for (size_t k = 0; k < n; k++) {
-        const bool near = fabs(pairs[k][0] - pairs[k][1]) <= tolerance;
-        if (!near)
-            fprintf(stderr, "%s:%d: row %zu of %s: %.17g, expected %.17g within %g\n", file, line, k + 1,
-                    rows, pairs[k][0], pairs[k][1], tolerance);
-        CU_ASSERT(near);
-    }
+    const bool near = fabs(a - b) <= tolerance;
+    if (!near)
+        fprintf(stderr, "%s:%d: %s = %.17g, expected %.17g within %g\n", file, line, what, a, b, tolerance);
+    return near;
+}
+
+void check_pairs(const char *file, int line, const char *rows, double tolerance, size_t n,
+                 const double pairs[][2])
+{
+    for (size_t k = 0; k < n; k++)
+        CHECK_OR_SAY(fabs(pairs[k][0] - pairs[k][1]) <= tolerance,
+                     "%s:%d: row %zu of %s = %.17g, expected %.17g within %g", file, line, k + 1, rows,
+                     pairs[k][0], pairs[k][1], tolerance);
+}
+
+bool check_status(const char *file, int line, const char *call, rp_status got, rp_status expected,
+                  const char *text)
+{
+    const bool right = got == expected && strstr(rp_message(), text) != NULL;
+    if (!right)
+        fprintf(stderr, "%s:%d: %s: status %d, message \"%s\"; expected %d, \"%s\"\n", file, line, call,
+                (int)got, rp_message(), (int)expected, text);
+    return right;
 }

@@ -1,5 +1,4 @@
-/* Shared by the test files, which name no more the headers that stand here. A suite is one function and one
- * line in the list. */
+/* Shared by the test files, which name these headers no more. A suite: a function, a line in the list. */
 #ifndef CHECK_H
 #define CHECK_H
 
@@ -131,30 +130,19 @@ void check_row(FILE *table, size_t n, const double values[], const char *word);
 void check_table_close(FILE *table, const char *name);
 
 /* |a - b| <= tolerance; NaN fails. On failure the values are printed. */
-#define CHECK_NEAR(a, b, tolerance)                                                                          \
-    do {                                                                                                     \
-        double a_ = (a), b_ = (b), t_ = (tolerance);                                                         \
-        bool near_ = fabs(a_ - b_) <= t_;                                                                    \
-        if (!near_)                                                                                          \
-            fprintf(stderr, "%s:%d: %s = %.17g, expected %.17g within %g\n", __FILE__, __LINE__, #a, a_, b_, \
-                    t_);                                                                                     \
-        CU_ASSERT(near_);                                                                                    \
-    } while (0)
+#define CHECK_NEAR(a, b, tolerance) CU_ASSERT(check_near(__FILE__, __LINE__, #a, a, b, tolerance))
+bool check_near(const char *file, int line, const char *what, double a, double b, double tolerance);
 
 /* The same for each {a, b}. */
-#define CHECK_ALL_NEAR(tolerance, ...)                                                                       \
-    check_all_near(__FILE__, __LINE__, #__VA_ARGS__, tolerance,                                              \
-                   sizeof((double[][2]){__VA_ARGS__}) / sizeof(double[2]), (const double[][2]){__VA_ARGS__})
-void check_all_near(const char *file, int line, const char *rows, double tolerance, size_t n,
-                    const double pairs[][2]);
+#define CHECK_PAIRS(tolerance, ...)                                                                          \
+    check_pairs(__FILE__, __LINE__, #__VA_ARGS__, tolerance,                                                 \
+                sizeof((double[][2]){__VA_ARGS__}) / sizeof(double[2]), (const double[][2]){__VA_ARGS__})
+void check_pairs(const char *file, int line, const char *rows, double tolerance, size_t n,
+                 const double pairs[][2]);
 
 /* It is true; else the text is printed, as by printf. */
 #define CHECK_OR_SAY(right, ...)                                                                             \
-    do {                                                                                                     \
-        const bool right_ = (right);                                                                         \
-        if (!right_) fprintf(stderr, __VA_ARGS__), fputc('\n', stderr);                                      \
-        CU_ASSERT(right_);                                                                                   \
-    } while (0)
+    CU_ASSERT((right) || (fprintf(stderr, __VA_ARGS__), fputc('\n', stderr), false))
 
 /* A text of this name: what the statement writes to the stream `to`. */
 #define CHECK_WRITTEN(text, to, statement)                                                                   \
@@ -164,7 +152,7 @@ void check_all_near(const char *file, int line, const char *rows, double toleran
     statement;                                                                                               \
     fclose(to)
 
-/* A text, in one of sixteen buffers, which take turns. */
+/* A text, as of printf, that stays for 1023 further ones. */
 const char *check_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* |found - value| <= tolerance for each {name, value}, by its name; `found` is an expression of NAME, and the
@@ -178,21 +166,9 @@ typedef struct {
 #define CHECK_EACH(found, tolerance, ...)                                                                    \
     do {                                                                                                     \
         const check_value list_[] = {__VA_ARGS__};                                                           \
-        for (const check_value *named_ = list_; named_ < list_ + sizeof list_ / sizeof *list_; named_++) {   \
-            const double found_ = (found), t_ = (tolerance);                                                 \
-            const bool near_ = fabs(found_ - named_->value) <= t_;                                           \
-            if (!near_)                                                                                      \
-                fprintf(stderr, "%s:%d: %s = %.17g, expected %.17g within %g\n", __FILE__, __LINE__, NAME,   \
-                        found_, named_->value, t_);                                                          \
-            CU_ASSERT(near_);                                                                                \
-        }                                                                                                    \
+        for (const check_value *named_ = list_; named_ < list_ + sizeof list_ / sizeof *list_; named_++)     \
+            CU_ASSERT(check_near(__FILE__, __LINE__, NAME, found, named_->value, tolerance));                \
     } while (0)
-
-/* |found - expected| <= tolerance for each {found, expected}. */
-#define CHECK_PAIRS(tolerance, ...)                                                                          \
-    check_pairs(__FILE__, __LINE__, #__VA_ARGS__, tolerance,                                                 \
-                sizeof((double[][2]){__VA_ARGS__}) / sizeof(double[2]), (double[][2]){__VA_ARGS__})
-void check_pairs(const char *file, int line, const char *what, double tolerance, size_t n, double pairs[][2]);
 
 /* The text holds each of these parts. */
 #define CHECK_PARTS(text, ...) check_parts(__FILE__, __LINE__, text, (const char *const[]){__VA_ARGS__, NULL})
@@ -202,32 +178,13 @@ void check_parts(const char *file, int line, const char *text, const char *const
 bool check_word(const char **text, const char *between, char word[static 128]);
 
 /* The call fails with this status, and its message contains `text`. */
-#define CHECK_FAILS(call, status, text)                                                                      \
-    do {                                                                                                     \
-        rp_status got_ = (call);                                                                             \
-        bool right_ = got_ == (status) && strstr(rp_message(), (text)) != NULL;                              \
-        if (!right_)                                                                                         \
-            fprintf(stderr, "%s:%d: %s: status %d, message \"%s\"; expected %d, \"%s\"\n", __FILE__,         \
-                    __LINE__, #call, (int)got_, rp_message(), (int)(status), (text));                        \
-        CU_ASSERT(right_);                                                                                   \
-    } while (0)
+#define CHECK_FAILS(call, status, text) CU_ASSERT(check_status(__FILE__, __LINE__, #call, call, status, text))
+#define CHECK_OK(call)                  CHECK_FAILS(call, RP_OK, "")
+bool check_status(const char *file, int line, const char *call, rp_status got, rp_status expected,
+                  const char *text);
 
 /* It fails so, or if `fails` is false it is well. */
 #define CHECK_FAILS_IF(fails, call, status, text)                                                            \
-    do {                                                                                                     \
-        if (fails)                                                                                           \
-            CHECK_FAILS(call, status, text);                                                                 \
-        else                                                                                                 \
-            CHECK_OK(call);                                                                                  \
-    } while (0)
-
-#define CHECK_OK(call)                                                                                       \
-    do {                                                                                                     \
-        rp_status got_ = (call);                                                                             \
-        if (got_)                                                                                            \
-            fprintf(stderr, "%s:%d: %s: status %d: %s\n", __FILE__, __LINE__, #call, (int)got_,              \
-                    rp_message());                                                                           \
-        CU_ASSERT(got_ == RP_OK);                                                                            \
-    } while (0)
+    CHECK_FAILS(call, (fails) ? (status) : RP_OK, (fails) ? (text) : "")
 
 #endif

@@ -1,5 +1,4 @@
-/* Functions that stand in for those of the C library, and do as they do until a failure is ordered; see
- * faults.h. */
+/* Stand in for functions of the C library, and do as they do until a failure is ordered; see faults.h. */
 #include "tests/faults.h"
 
 #include <dlfcn.h>

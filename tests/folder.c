@@ -3,10 +3,7 @@
 
 #include <ftw.h>
 #include <glob.h>
-#include <stdarg.h>
 #include <unistd.h>
-
-#include "tests/check.h"
 
 static void make_in(const char *root, const char *name, char path[FOLDER_PATH])
 {
@@ -32,11 +29,7 @@ static int remove_entry(const char *path, const struct stat *info, int type, str
 
 const char *folder_path(const char *folder, const char *name)
 {
-    static char paths[8][512];
-    static unsigned next;
-    char *path = paths[next++ % 8];
-    snprintf(path, sizeof *paths, "%s/%s", folder, name);
-    return path;
+    return check_text("%s/%s", folder, name);
 }
 
 void folder_remove(const char *path)
@@ -79,13 +72,7 @@ void file_write(const char *path, const void *bytes, size_t n)
     CU_ASSERT(fclose(out) == 0);
 }
 
-void file_print(const char *path, const char *format, ...)
+void file_text(const char *path, const char *text)
 {
-    va_list args;
-    FILE *out = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-    va_start(args, format);
-    vfprintf(out, format, args);
-    va_end(args);
-    CU_ASSERT(fclose(out) == 0);
+    file_write(path, text, strlen(text));
 }

@@ -2,7 +2,7 @@
 #ifndef FOLDER_H
 #define FOLDER_H
 
-#include <stddef.h>
+#include "tests/check.h"
 
 enum { FOLDER_PATH = 64 };
 
@@ -10,7 +10,7 @@ enum { FOLDER_PATH = 64 };
 void folder_make(const char *name, char path[FOLDER_PATH]);
 void folder_make_in_memory(const char *name, char path[FOLDER_PATH]);
 
-/* FOLDER/NAME, in one of eight buffers, which take turns. */
+/* FOLDER/NAME, as of check_text. */
 const char *folder_path(const char *folder, const char *name);
 
 /* Remove a file or a folder with all that it holds. */
@@ -25,6 +25,7 @@ void file_lines(const char *pattern, file_line *take);
 
 /* Write a file anew: bytes, or formatted text. */
 void file_write(const char *path, const void *bytes, size_t n);
-void file_print(const char *path, const char *format, ...) __attribute__((format(printf, 2, 3)));
+#define file_print(path, ...) file_text(path, check_text(__VA_ARGS__))
+void file_text(const char *path, const char *text);
 
 #endif

@@ -1,12 +1,10 @@
 /* Small scenes shared by several test files; see grains.h. */
 #include "tests/grains.h"
 
-#include <stdarg.h>
 #include <stddef.h>
 
 #include "core/arena.h"
 #include "dem/state/state.h"
-#include "tests/check.h"
 #include "tests/folder.h"
 
 dem_wall grains_line(double x, double y, double nx, double ny, const dem_material *c)
@@ -151,20 +149,10 @@ dem_sim *grains_after(const dem_definition *def, long steps)
     return sim;
 }
 
-dem_sim *grains_after_text(long steps, const char *format, ...)
+dem_sim *grains_of_text(long steps, const char *text)
 {
-    va_list args;
     scoped_scene scene = {0};
-    scoped char *text = NULL;
-    dem_sim *sim = NULL;
-    va_start(args, format);
-    CU_ASSERT_FATAL(vasprintf(&text, format, args) > 0);
-    va_end(args);
-    CHECK_OK(grains_read(text, NULL, &scene));
-    CHECK_OK(dem_scene_start(&scene, &sim));
-    CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
-    if (steps > 0) CHECK_OK(dem_run(sim, steps));
-    return sim;
+    return grains_scene_after(text, steps, &scene);
 }
 
 dem_sim *grains_kept(dem_sim *sim)
@@ -281,10 +269,10 @@ bool grains_same_bits(const dem_sim *a, const dem_sim *b)
 
 rp_status grains_read(const char *text, const rp_texts *changes, dem_scene *scene)
 {
-    char folder[FOLDER_PATH], path[FOLDER_PATH + 8];
+    char folder[FOLDER_PATH];
     folder_make("scene", folder);
-    snprintf(path, sizeof path, "%s/s.cfg", folder);
-    file_print(path, "%s", text);
+    const char *path = folder_path(folder, "s.cfg");
+    file_text(path, text);
     const rp_status status = dem_scene_read(path, changes, scene);
     folder_remove(folder);
     return status;
@@ -295,18 +283,9 @@ dem_sim *grains_scene_after(const char *text, long steps, dem_scene *scene)
     dem_sim *sim = NULL;
     CHECK_OK(grains_read(text, NULL, scene));
     CHECK_OK(dem_scene_start(scene, &sim));
-    CHECK_OK(dem_run(sim, steps));
+    CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
+    if (steps > 0) CHECK_OK(dem_run(sim, steps));
     return sim;
-}
-
-rp_status grains_read_as(dem_scene *scene, const char *format, ...)
-{
-    va_list args;
-    scoped char *text = NULL;
-    va_start(args, format);
-    CU_ASSERT_FATAL(vasprintf(&text, format, args) > 0);
-    va_end(args);
-    return grains_read(text, NULL, scene);
 }
 
 void grains_refused(const char *text, const rp_texts *changes, const char *message)

@@ -4,6 +4,7 @@
 
 #include "dem/dem.h"
 #include "dem/scene/scene.h"
+#include "tests/check.h"
 
 /* A whole line through (x, y), normal (nx, ny). */
 dem_wall grains_line(double x, double y, double nx, double ny, const dem_material *c);
@@ -57,7 +58,8 @@ dem_sim *grains_start_in_chunks(const dem_definition *def, size_t chunk);
 dem_state grains_state_of_one(const dem_sim *sim);
 
 /* That of the scene of a text, as of printf, after some steps. */
-dem_sim *grains_after_text(long steps, const char *format, ...) __attribute__((format(printf, 2, 3)));
+#define grains_after_text(steps, ...) grains_of_text(steps, check_text(__VA_ARGS__))
+dem_sim *grains_of_text(long steps, const char *text);
 
 /* The simulation that the bytes of another's snapshot make. */
 dem_sim *grains_kept(dem_sim *sim);
@@ -86,7 +88,7 @@ rp_status grains_read(const char *text, const rp_texts *changes, dem_scene *scen
 
 /* The simulation of a text after some steps. */
 dem_sim *grains_scene_after(const char *text, long steps, dem_scene *scene);
-rp_status grains_read_as(dem_scene *scene, const char *format, ...) __attribute__((format(printf, 2, 3)));
+#define grains_read_as(scene, ...) grains_read(check_text(__VA_ARGS__), NULL, scene)
 
 /* A text that is refused with this message; a scene written, and read again. */
 void grains_refused(const char *text, const rp_texts *changes, const char *message);

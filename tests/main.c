@@ -42,13 +42,6 @@ static bool is_wanted(const char *name)
     return !only || strstr(name, only);
 }
 
-static void add_test(CU_pSuite *s, const char *suite, check_test *before, check_test *after, const char *name,
-                     check_test *test)
-{
-    if (!*s) *s = CU_add_suite_with_setup_and_teardown(suite, NULL, NULL, before, after);
-    if (!*s || !CU_add_test(*s, name, test)) broken_registrations++;
-}
-
 /* The name that a list "test_one, two, ..." begins with, as that of a test; returns the rest of the list. */
 static const char *first_name(const char *names, char name[static 128])
 {
@@ -69,9 +62,10 @@ void check_suite(const char *suite, check_test *before, check_test *after, bool 
     const bool all = summed && is_wanted(name);
     while (*names) {
         names = first_name(names, name);
-        if (all || (is_wanted(name) && !(summed && !*names)))
-            add_test(&s, suite, before, after, name, *tests);
-        tests++;
+        check_test *const test = *tests++;
+        if (!all && (!is_wanted(name) || (summed && !*names))) continue;
+        if (!s) s = CU_add_suite_with_setup_and_teardown(suite, NULL, NULL, before, after);
+        if (!s || !CU_add_test(s, name, test)) broken_registrations++;
     }
     if (all && n_joint < sizeof joint / sizeof *joint) joint[n_joint++] = s;
 }
@@ -91,24 +85,11 @@ bool check_full(void)
     return full;
 }
 
-void check_pairs(const char *file, int line, const char *what, double tolerance, size_t n, double pairs[][2])
-{
-    for (size_t k = 0; k < n; k++) {
-        const bool near = fabs(pairs[k][0] - pairs[k][1]) <= tolerance;
-        if (!near)
-            fprintf(stderr, "%s:%d: number %zu of %s: %.17g, expected %.17g within %g\n", file, line, k + 1,
-                    what, pairs[k][0], pairs[k][1], tolerance);
-        CU_ASSERT(near);
-    }
-}
-
 void check_parts(const char *file, int line, const char *text, const char *const parts[])
 {
-    for (; *parts; parts++) {
-        const bool there = strstr(text, *parts) != NULL;
-        if (!there) fprintf(stderr, "%s:%d: no \"%s\" in \"%.2000s\"\n", file, line, *parts, text);
-        CU_ASSERT(there);
-    }
+    for (; *parts; parts++)
+        CHECK_OR_SAY(strstr(text, *parts) != NULL, "%s:%d: no \"%s\" in \"%.2000s\"", file, line, *parts,
+                     text);
 }
 
 bool check_word(const char **text, const char *between, char word[static 128])

@@ -1,5 +1,4 @@
-/* A protocol that costs nothing, for sweeps of thousands of runs: y is its only parameter x plus noise, z the
- * noise. */
+/* A protocol that costs nothing, for thousands of runs: y is its only parameter x plus noise, z the noise. */
 #ifndef NOISE_H
 #define NOISE_H
 

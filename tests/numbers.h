@@ -14,8 +14,7 @@ gsl_rng *numbers_of(unsigned long seed, unsigned long run);
 enum { NUMBERS_TEXT = 30 };
 void numbers_text(gsl_rng *rng, const char *without, char text[NUMBERS_TEXT]);
 
-/* Least squares of y[n] by p columns X[n p], row after row, with weights w, NULL: all equal. Sets c[p] and
- * covariance[p p]. */
+/* Least squares of y[n] by p columns X[n p], row by row, weights w or NULL: c[p] and covariance[p p]. */
 void numbers_fit(size_t n, size_t p, const double X[], const double w[], const double y[], double c[],
                  double covariance[]);
 

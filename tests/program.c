@@ -3,11 +3,8 @@
 
 #include <limits.h>
 #include <stdarg.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include "tests/folder.h"
 
 static char folder[FOLDER_PATH], program[PATH_MAX], beside[PATH_MAX];
 static const char *last; /* name of the program that ran last */
@@ -31,35 +28,21 @@ void enter(void)
     fclose(file_of("out")), fclose(file_of("err"));
 }
 
-void path_of(const char *name, char path[256])
+const char *path_of(const char *name)
 {
-    snprintf(path, 256, "%s/%s", folder, name);
+    return folder_path(folder, name);
 }
 
 FILE *file_of(const char *name)
 {
-    char path[256];
-    path_of(name, path);
-    FILE *file = fopen(path, "w");
+    FILE *file = fopen(path_of(name), "w");
     CU_ASSERT_PTR_NOT_NULL_FATAL(file);
     return file;
 }
 
-void write_text(const char *name, const char *format, ...)
-{
-    va_list args;
-    FILE *file = file_of(name);
-    va_start(args, format);
-    vfprintf(file, format, args);
-    va_end(args);
-    fclose(file);
-}
-
 void slurp(const char *name, char *text, size_t size)
 {
-    char path[256];
-    path_of(name, path);
-    FILE *file = fopen(path, "r");
+    FILE *file = fopen(path_of(name), "r");
     size_t n = file ? fread(text, 1, size - 1, file) : 0;
     text[n] = '\0';
     CU_ASSERT(file && n < size - 1);
@@ -68,22 +51,10 @@ void slurp(const char *name, char *text, size_t size)
 
 int shell(const char *text)
 {
-    static char line[5 * PATH_MAX];
-    snprintf(line, sizeof line, "cd %s; REPOSE='%s' REPORT='%s'; %s", folder, program, beside, text);
-    int status = system(line);
+    int status = system(check_text("cd %s; REPOSE='%s' REPORT='%s'; %s", folder, program, beside, text));
     slurp("out", out, sizeof out);
     slurp("err", err, sizeof err);
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
-int shell_line(const char *format, ...)
-{
-    static char text[2 * PATH_MAX];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    return shell(text);
 }
 
 void holds_in_tree(const char *line)
@@ -92,31 +63,20 @@ void holds_in_tree(const char *line)
     CHECK_OR_SAY(status == 0, "%s%s", out, err);
 }
 
-static int run_program(const char *name, const char *begin, const char *format, va_list args)
+int run_program(const char *name, const char *begin, const char *words)
 {
-    char line[2048];
-    const int used = snprintf(line, sizeof line, "exec \"$%s\" >out 2>err ", begin);
-    vsnprintf(line + used, sizeof line - (size_t)used, format, args);
     last = name;
-    return shell(line);
+    return shell(check_text("exec \"$%s\" >out 2>err %s", begin, words));
 }
 
 int run(const char *format, ...)
 {
+    scoped char *words = NULL;
     va_list args;
     va_start(args, format);
-    const int status = run_program("repose", "REPOSE", format, args);
+    CU_ASSERT_FATAL(vasprintf(&words, format, args) >= 0);
     va_end(args);
-    return status;
-}
-
-int run_report(const char *format, ...)
-{
-    va_list args;
-    va_start(args, format);
-    const int status = run_program("report", "REPORT", format, args);
-    va_end(args);
-    return status;
+    return run_program("repose", "REPOSE", words);
 }
 
 int repose_main(int argc, char **argv); /* of tests/fuzz/targets.c */
@@ -195,11 +155,9 @@ void check_refused_texts(size_t n, const char *const list[][2], const char *file
 rp_table read_table(const char *name)
 {
     static char path[256];
-    rp_table table;
-    path_of(name, path);
-    rp_status status = rp_table_read(path, &table);
-    CHECK_OK(status);
-    if (status) rp_table_free(&table);
+    rp_table table = {0};
+    snprintf(path, sizeof path, "%s", path_of(name));
+    CHECK_OK(rp_table_read(path, &table));
     return table;
 }
 
@@ -214,18 +172,9 @@ void read_again(rp_table *table, const char *name)
     replace_table(table, read_table(name));
 }
 
-rp_table read_texts(const char *name)
-{
-    static char path[256];
-    rp_table table = {0};
-    path_of(name, path);
-    CHECK_OK(rp_table_read(path, &table));
-    return table;
-}
-
 void check_cells(int line, size_t n, const cell_says cells[])
 {
-    scoped_table t = read_texts("out");
+    scoped_table t = read_table("out");
     for (size_t k = 0; k < n; k++) {
         size_t row = 0;
         while (row < t.n_rows && strcmp(t.cells[row * t.n_columns], cells[k].begin) != 0) row++;
@@ -245,8 +194,7 @@ const char *word(const rp_table *t, size_t row, const char *column)
 {
     int c = rp_table_column(t, column);
     bool there = c >= 0 && row < t->n_rows;
-    if (!there) fprintf(stderr, "%s: no row %zu of column %s\n", t->path, row, column);
-    CU_ASSERT(there);
+    CHECK_OR_SAY(there, "%s: no row %zu of column %s", t->path, row, column);
     return there ? t->cells[row * t->n_columns + (size_t)c] : "";
 }
 
@@ -263,14 +211,9 @@ checked checked_read(const char *name)
     return c;
 }
 
-checked checked_run(const char *file, int line, size_t n_rows, const char *format, ...)
+checked checked_run(const char *file, int line, size_t n_rows, int status)
 {
-    char arguments[2048];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(arguments, sizeof arguments, format, args);
-    va_end(args);
-    CU_ASSERT(good(file, line, run("%s", arguments)));
+    CU_ASSERT(good(file, line, status));
     checked c = checked_read("out");
     CU_ASSERT_FATAL(c.t.n_rows == n_rows);
     return c;
@@ -289,7 +232,7 @@ const char *checked_word(checked *c, size_t row, const char *column)
     return word(&c->t, row, column);
 }
 
-void checked_row(checked *c, size_t row, size_t n, const checked_value values[], double tolerance)
+void checked_row(checked *c, size_t row, size_t n, const check_value values[], double tolerance)
 {
     for (size_t k = 0; k < n; k++) {
         const double found = at(c, row, values[k].name), value = values[k].value;
@@ -300,10 +243,8 @@ void checked_row(checked *c, size_t row, size_t n, const checked_value values[],
 
 void checked_end(checked *c)
 {
-    for (size_t k = 0; k < c->t.n_columns; k++) {
-        if (!c->read[k]) fprintf(stderr, "%s: column %s is not checked\n", c->t.path, c->t.names[k]);
-        CU_ASSERT(c->read[k]);
-    }
+    for (size_t k = 0; k < c->t.n_columns; k++)
+        CHECK_OR_SAY(c->read[k], "%s: column %s is not checked", c->t.path, c->t.names[k]);
     rp_table_free(&c->t);
 }
 

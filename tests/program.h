@@ -5,6 +5,7 @@
 
 #include "table/table.h"
 #include "tests/check.h"
+#include "tests/folder.h"
 
 /* Output of the last run, also in the files `out` and `err` of the test's folder. */
 extern char out[1 << 20], err[1 << 14];
@@ -13,28 +14,29 @@ extern char out[1 << 20], err[1 << 14];
 void enter(void);
 void leave(void);
 
-/* Path of a file of the folder. */
-void path_of(const char *name, char path[256]);
+/* Path of a file of the folder, as of check_text. */
+const char *path_of(const char *name);
 
 /* A file of the folder, to be written. */
 FILE *file_of(const char *name);
 
 /* Write a file. Its name has no special characters of the shell. */
-void write_text(const char *name, const char *format, ...) __attribute__((format(printf, 2, 3)));
+#define write_text(name, ...) file_print(path_of(name), __VA_ARGS__)
 
 /* Read a file whole. */
 void slurp(const char *name, char *text, size_t size);
 
 /* Exit status of a line of shell in the folder; -1 after a signal. $REPOSE and $REPORT are the programs. */
 int shell(const char *text);
-int shell_line(const char *format, ...) __attribute__((format(printf, 1, 2)));
+#define shell_line(...) shell(check_text(__VA_ARGS__))
 
 /* A line of shell at the top of the tree succeeds, or what it prints is shown; `$to` is the folder. */
 void holds_in_tree(const char *line);
 
 /* Exit status of `repose` and of `report` with these arguments. */
 int run(const char *format, ...) __attribute__((format(printf, 1, 2)));
-int run_report(const char *format, ...) __attribute__((format(printf, 1, 2)));
+#define run_report(...) run_program("report", "REPORT", check_text(__VA_ARGS__))
+int run_program(const char *name, const char *begin, const char *words);
 
 /* Exit status, or 128 and the signal, of the program with these words, in a process that is forked from this
  * one, in its folder, and that begins with `begin`. Its output is in the files `out` and `err` there. */
@@ -76,7 +78,6 @@ void check_refused_texts(size_t n, const char *const list[][2], const char *file
 #define scoped_table __attribute__((cleanup(rp_table_free))) rp_table
 rp_table read_table(const char *name);
 void read_again(rp_table *table, const char *name); /* in place of what it holds */
-rp_table read_texts(const char *name);              /* whose cells are texts, with blanks */
 
 /* The table that a successful run prints, and in place of what one holds. */
 #define TABLE_OF(...)        table_of(__FILE__, __LINE__, run(__VA_ARGS__))
@@ -98,20 +99,18 @@ typedef struct {
 } checked;
 checked checked_read(const char *name);
 /* What the program prints with these arguments: so many rows. */
-#define CHECKED_RUN(n_rows, ...) checked_run(__FILE__, __LINE__, n_rows, __VA_ARGS__)
-checked checked_run(const char *file, int line, size_t n_rows, const char *format, ...)
-    __attribute__((format(printf, 4, 5)));
+#define CHECKED_RUN(n_rows, ...) checked_run(__FILE__, __LINE__, n_rows, run(__VA_ARGS__))
+checked checked_run(const char *file, int line, size_t n_rows, int status);
 double at(checked *c, size_t row, const char *column);
 /* The cell is this word. */
 #define CHECKED_WORD(c, row, column, text) CU_ASSERT_STRING_EQUAL(checked_word(c, row, column), text)
 const char *checked_word(checked *c, size_t row, const char *column);
-/* Columns of a row against n values, within tolerance of 1 + |value|; NaN where the value is NaN. */
-typedef check_value checked_value;
 /* A column with the name of a field of s; of a field with mean and error, NAME and NAME_se. */
-#define CHECKED_COLUMN(name, value) ((checked_value){name, value})
+#define CHECKED_COLUMN(name, value) ((check_value){name, value})
 #define CHECKED_FIELD(s, name)      CHECKED_COLUMN(#name, (s).name)
 #define CHECKED_MEAN(s, name)       CHECKED_COLUMN(#name, (s).name.mean), CHECKED_COLUMN(#name "_se", (s).name.se)
-void checked_row(checked *c, size_t row, size_t n, const checked_value values[], double tolerance);
+/* Columns of a row against n values, within tolerance of 1 + |value|; NaN where the value is NaN. */
+void checked_row(checked *c, size_t row, size_t n, const check_value values[], double tolerance);
 void checked_end(checked *c);
 
 /* What `out` has in a column of the row that begins with this word. */

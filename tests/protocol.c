@@ -44,9 +44,8 @@ static void no_header(const void *context, FILE *table)
 
 void protocol_trace(const sweep_protocol *protocol, const void *params, long every, sweep_result *result)
 {
-    char folder[256];
+    const char *folder = path_of("t");
     SHELL("rm -rf t");
-    path_of("t", folder);
     CHECK_OK(protocol->check(params));
     CHECK_OK(protocol->run(params, 1993, 0, &(sweep_tables){folder, every, no_header}, result));
 }

@@ -366,7 +366,7 @@ static void continuum_limits(void)
     for (long i = 1; i <= K; i++) {
         const an_force f = continuum(M_PI / 3 - short_of_60, (double)i / (K + 1)),
                        g = triangle(K, M_PI / 6, i);
-        CHECK_ALL_NEAR((K + 1) * short_of_60, {f.N * (K + 1), g.N}, {f.H * (K + 1), g.H});
+        CHECK_PAIRS((K + 1) * short_of_60, {f.N * (K + 1), g.N}, {f.H * (K + 1), g.H});
     }
     /* alpha -> 0: N is the weight above, y 2/sqrt 3, to relative order alpha */
     const double tiny[] = {1e-9, 1e-100, DBL_MIN};
@@ -460,7 +460,7 @@ static void profile_weight(void)
     gsl_function f = {profile_N, &p}, g = {profile_H, &p};
     CU_ASSERT_EQUAL(gsl_integration_qagp(&f, kinks, 2 * N_RANGE, INTEGRAL_TOL, 0, 100, w, &N, &error), 0);
     CU_ASSERT_EQUAL(gsl_integration_qagp(&g, kinks, 2 * N_RANGE, INTEGRAL_TOL, 0, 100, w, &H, &error), 0);
-    CHECK_ALL_NEAR(INTEGRAL_TOL * base, {N, area * 2 / sqrt(3) / base}, {H, 0});
+    CHECK_PAIRS(INTEGRAL_TOL * base, {N, area * 2 / sqrt(3) / base}, {H, 0});
     gsl_integration_workspace_free(w);
 }
 
@@ -515,7 +515,7 @@ static void tent_vertices(void)
     for (int i = 0; i < 5; i++) v[i] = (an_point){NAN, NAN};
     CHECK_OK(an_tent(RAD(45), atan(0.5), 0.2, v));
     static const an_point typed[5] = {{0, 0}, {0.2, 0.2}, {0.5, 0.35}, {0.8, 0.2}, {1, 0}};
-    for (int i = 0; i < 5; i++) CHECK_ALL_NEAR(1e-15, {v[i].x, typed[i].x}, {v[i].y, typed[i].y});
+    for (int i = 0; i < 5; i++) CHECK_PAIRS(1e-15, {v[i].x, typed[i].x}, {v[i].y, typed[i].y});
 }
 
 /* Fig. 19: a dip under the middle for a peak steeper than the flanks, and none for a flattened one. */
@@ -558,8 +558,8 @@ static void largest_force(void)
 static void misprint_theta(void)
 {
     const an_force f = triangle(2, M_PI / 6, 2);
-    CHECK_ALL_NEAR(ROUND, {hypot(f.N - 1, f.H), 1 / sqrt(3)}, {1 / (2 * cos(M_PI / 6)), 1 / sqrt(3)},
-                   {1 / (2 * cos(M_PI / 3)), 1});
+    CHECK_PAIRS(ROUND, {hypot(f.N - 1, f.H), 1 / sqrt(3)}, {1 / (2 * cos(M_PI / 6)), 1 / sqrt(3)},
+                {1 / (2 * cos(M_PI / 3)), 1});
 }
 
 static void profile_errors(void)

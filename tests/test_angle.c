@@ -336,8 +336,8 @@ static void test_exact_lines(void)
                 for (size_t k = 0; k < n; k++) h[k] = 3.17 - slope * 0.193 * (double)(skip ? gaps[k] : k);
                 CHECK_OK(ang_slopes(n, skip ? gaps : NULL, h, 0.193, (ang_parabola)parabola, s));
                 for (int m = 0; m < ANG_N_METHODS; m++)
-                    CHECK_ALL_NEAR(sum_error, {s[m].slope, slope}, {s[m].theta, atan(slope)},
-                                   {s[m].slope_se, 0.0});
+                    CHECK_PAIRS(sum_error, {s[m].slope, slope}, {s[m].theta, atan(slope)},
+                                {s[m].slope_se, 0.0});
             }
 }
 
@@ -386,9 +386,9 @@ static void test_methods(void)
         shh += (h[j] - mean) * (h[j] - mean);
     }
     const double slope = sxh / sxx, variance = (shh - slope * sxh) / 35.0;
-    CHECK_ALL_NEAR(sum_error, {s[1].slope, -slope}, {s[1].slope_se, sqrt(variance / sxx)},
-                   {s[0].slope_se, sqrt(2.0 * variance) / (36.0 * 0.193)},
-                   {s[1].theta_se, sqrt(variance / sxx) / (1.0 + slope * slope)});
+    CHECK_PAIRS(sum_error, {s[1].slope, -slope}, {s[1].slope_se, sqrt(variance / sxx)},
+                {s[0].slope_se, sqrt(2.0 * variance) / (36.0 * 0.193)},
+                {s[1].theta_se, sqrt(variance / sxx) / (1.0 + slope * slope)});
     CHECK_OK(ang_slopes(37, NULL, back, 0.193, ANG_PARABOLA_FREE, mirrored));
     for (int m = 0; m < 2; m++) CHECK_NEAR(mirrored[m].slope, -s[m].slope, sum_error);
 }
@@ -416,7 +416,7 @@ static void test_gap(void)
         k++;
     }
     CHECK_OK(ang_slopes(7, column, h, 0.5, ANG_PARABOLA_ORIGIN, s));
-    CHECK_ALL_NEAR(sum_error, {s[2].slope, -2.0 * top / norm / 0.5}, {s[0].slope, 1.5 / 4.5});
+    CHECK_PAIRS(sum_error, {s[2].slope, -2.0 * top / norm / 0.5}, {s[0].slope, 1.5 / 4.5});
 }
 
 /* Propagated errors match the scatter over an ensemble; the parabola's own do not. */
@@ -514,9 +514,9 @@ static void test_mean(void)
     CHECK_OK(stats_mean(4, v, &s));
     CHECK_NEAR(s.mean, 2.376, tight);
     double sd = sqrt((0.009 * 0.009 + 1.204 * 1.204 + 1.53 * 1.53 + 0.335 * 0.335) / 3.0);
-    CHECK_ALL_NEAR(tight, {s.sd, sd}, {s.se, sd / 2.0});
+    CHECK_PAIRS(tight, {s.sd, sd}, {s.se, sd / 2.0});
     /* Student's t of 97.5 % with 3 degrees of freedom, from tables, half a digit */
-    CHECK_ALL_NEAR(5e-7, {(s.hi - s.mean) / s.se, 3.182446}, {(s.mean - s.lo) / s.se, 3.182446});
+    CHECK_PAIRS(5e-7, {(s.hi - s.mean) / s.se, 3.182446}, {(s.mean - s.lo) / s.se, 3.182446});
     CHECK_OK(stats_mean(2, v, &s));
     CHECK_NEAR((s.hi - s.mean) / s.se, 12.706205, 5e-7);
     CHECK_NEAR(s.se, (2.385 - 1.172) / 2.0, tight);
@@ -572,27 +572,26 @@ static void test_line_fit(void)
     const double slope = (sw * sxy - sx * sy) / det, intercept = (sxx * sy - sx * sxy) / det;
     const double chi2 = syy - intercept * sy - slope * sxy;
     CHECK_OK(stats_line_fit(&(stats_xy){5, x, y, se}, false, &line));
-    CHECK_ALL_NEAR(fit_error, {line.slope, slope}, {line.intercept, intercept},
-                   {line.slope_se, sqrt(sw / det)}, {line.intercept_se, sqrt(sxx / det)},
-                   {line.covariance, -sx / det}, {line.chi2, chi2},
-                   {line.p_value, gsl_cdf_chisq_Q(chi2, 3.0)});
+    CHECK_PAIRS(fit_error, {line.slope, slope}, {line.intercept, intercept}, {line.slope_se, sqrt(sw / det)},
+                {line.intercept_se, sqrt(sxx / det)}, {line.covariance, -sx / det}, {line.chi2, chi2},
+                {line.p_value, gsl_cdf_chisq_Q(chi2, 3.0)});
     CU_ASSERT(line.n == 5 && line.dof == 3);
     CHECK_OK(stats_line_fit(&(stats_xy){5, x, y, se}, true, &line));
-    CHECK_ALL_NEAR(fit_error, {line.slope, sxy / sxx}, {line.slope_se, 1.0 / sqrt(sxx)},
-                   {line.chi2, syy - sxy * sxy / sxx});
+    CHECK_PAIRS(fit_error, {line.slope, sxy / sxx}, {line.slope_se, 1.0 / sqrt(sxx)},
+                {line.chi2, syy - sxy * sxy / sxx});
     CU_ASSERT(line.dof == 4 && line.intercept == 0.0 && line.covariance == 0.0);
     double gsl[6];
     gsl_fit_wlinear(x, 1, (double[]){1, 2, 3, 4, 5}, 1, y, 1, 5, &gsl[0], &gsl[1], &gsl[2], &gsl[3], &gsl[4],
                     &gsl[5]);
     CHECK_OK(stats_line_fit(&(stats_xy){5, x, y, (double[]){1, M_SQRT1_2, 1 / sqrt(3.0), 0.5, 1 / sqrt(5.0)}},
                             false, &line));
-    CHECK_ALL_NEAR(1e-12, {line.slope, gsl[1]}, {line.intercept_se * line.intercept_se, gsl[2]},
-                   {line.chi2, gsl[5]});
+    CHECK_PAIRS(1e-12, {line.slope, gsl[1]}, {line.intercept_se * line.intercept_se, gsl[2]},
+                {line.chi2, gsl[5]});
     /* without errors, by hand: slope 1/2, residuals 1/6, -1/3, 1/6 */
     CHECK_OK(stats_line_fit(&(stats_xy){3, (double[]){1, 2, 3}, (double[]){1, 1, 2}, NULL}, false, &line));
-    CHECK_ALL_NEAR(tight, {line.slope, 0.5}, {line.intercept, 1.0 / 3.0}, {line.chi2, 1.0 / 6.0},
-                   {line.slope_se, sqrt(1.0 / 12.0)}, {line.intercept_se, sqrt(14.0 / 36.0)},
-                   {line.covariance, -1.0 / 6.0});
+    CHECK_PAIRS(tight, {line.slope, 0.5}, {line.intercept, 1.0 / 3.0}, {line.chi2, 1.0 / 6.0},
+                {line.slope_se, sqrt(1.0 / 12.0)}, {line.intercept_se, sqrt(14.0 / 36.0)},
+                {line.covariance, -1.0 / 6.0});
     CU_ASSERT(isnan(line.p_value) && line.dof == 1);
     CHECK_OK(stats_line_fit(&(stats_xy){3, (double[]){1, 2, 3}, (double[]){1, 1, 2}, NULL}, true,
                             &line)); /* 9/14 x */
@@ -714,7 +713,7 @@ static void check_blocking(size_t n, const double v[])
     double work[MOST], mean[MOST], most = 0.0;
     stats_series b;
     const rp_status status = stats_blocking(n, v, work, &b);
-    CHECK_ALL_NEAR(tight, {b.mean, gsl_stats_mean(v, 1, n)}, {b.sd, gsl_stats_sd(v, 1, n)});
+    CHECK_PAIRS(tight, {b.mean, gsl_stats_mean(v, 1, n)}, {b.sd, gsl_stats_sd(v, 1, n)});
     for (size_t length = 1; n >= 16 && n / length >= 4; length *= 2) {
         const size_t blocks = n / length;
         for (size_t i = 0; i < blocks; i++) mean[i] = gsl_stats_mean(v + i * length, 1, length);
@@ -728,7 +727,7 @@ static void check_blocking(size_t n, const double v[])
         if (pow((double)length, 3.0) <= 2.0 * (double)n * ratio * ratio) continue;
         const double own = blocks < 20 ? fmax(ratio, most) : ratio, own_se = b.sd * sqrt(own / (double)n);
         CU_ASSERT(status == RP_OK && b.n == n && b.block == length);
-        CHECK_ALL_NEAR(tight, {b.se, own_se}, {b.se_error, own_se / sqrt(2.0 * ((double)blocks - 1.0))});
+        CHECK_PAIRS(tight, {b.se, own_se}, {b.se_error, own_se / sqrt(2.0 * ((double)blocks - 1.0))});
         CHECK_NEAR(b.tau, 0.5 * own, 1e2 * tight);
         return;
     }
@@ -823,9 +822,9 @@ static void test_compare(void)
         ang_tilt_result at;
         CHECK_OK(ang_tilt((ang_form)f, 0.2, c.theta_r.mean, phi, &at));
         CU_ASSERT(c.form[f].status == ANG_TILT_OK);
-        CHECK_ALL_NEAR(root_error, {c.form[f].theta_t.value, at.theta_t},
-                       {c.form[f].diff.value, c.theta_t.mean - at.theta_t},
-                       {c.form[f].theta_rt.value, c.theta_r.mean + at.theta_t});
+        CHECK_PAIRS(root_error, {c.form[f].theta_t.value, at.theta_t},
+                    {c.form[f].diff.value, c.theta_t.mean - at.theta_t},
+                    {c.form[f].theta_rt.value, c.theta_r.mean + at.theta_t});
     }
     CHECK_OK(ang_compare(&(ang_piles){0.2, 1, r, t}, phi, B, rng, &c));
     CU_ASSERT(isnan(c.diff_ms.se) && isnan(c.form[0].theta_t.se) && !isnan(c.form[0].theta_t.value));

@@ -8,7 +8,6 @@
 #include "report/claims.h"
 #include "sweeps/engine/private.h"
 #include "sweeps/protocols/protocols.h"
-#include "tests/folder.h"
 #include "tests/program.h"
 
 /* Numbers that are exact in binary make an edge an edge; one rounding more is `beyond`. */
@@ -159,9 +158,9 @@ static void test_joint(void)
     const stats_number d[] = {{1.2, 1.0}, {-4.2, 2.0}};
     const report_together t = report_joint(2, d);
     IS(t.verdict, "reproduced");
-    CHECK_ALL_NEAR(1e-14, {t.chi2, 1.44 + 4.41}, {t.p, exp(-0.5 * t.chi2)},
-                   {t.shift.value, (1.2 - 4.2 / 4.0) / 1.25}, {t.shift.se, 1.0 / sqrt(1.25)},
-                   {t.left, 5.4 * 5.4 / 5.0});
+    CHECK_PAIRS(1e-14, {t.chi2, 1.44 + 4.41}, {t.p, exp(-0.5 * t.chi2)},
+                {t.shift.value, (1.2 - 4.2 / 4.0) / 1.25}, {t.shift.se, 1.0 / sqrt(1.25)},
+                {t.left, 5.4 * 5.4 / 5.0});
     IS(report_joint(2, (const stats_number[]){{2.0, 1.0}, {1.42, 1.0}}).verdict, "not reproduced");
     IS(report_joint(2, (const stats_number[]){{NAN, 1.0}, {1.42, 1.0}}).verdict, "open");
 }
@@ -170,8 +169,8 @@ static void test_few(void)
 {
     CHECK_NEAR(report_of_few(number(3.0, 1.0), 2).se, 12.706204736 / 2.0, 1e-8);
     CHECK_NEAR(report_of_few(number(3.0, 1.0), 21).se, 2.0859634473 / 2.0, 1e-8);
-    CHECK_ALL_NEAR(0.0, {report_of_few(number(3.0, 1.0), NAN).se, 1.0},
-                   {report_of_few(number(3.0, 1.0), 1).se, 1.0});
+    CHECK_PAIRS(0.0, {report_of_few(number(3.0, 1.0), NAN).se, 1.0},
+                {report_of_few(number(3.0, 1.0), 1).se, 1.0});
     CHECK_NEAR(report_deviation_error(3.0, 19), 0.5, 1e-15);
     CU_ASSERT(isnan(report_deviation_error(3.0, 1)) && isnan(report_deviation_error(3.0, NAN)));
     const stats_number q = report_quotient(number(6.0, 0.3), number(2.0, 0.2)); /* 5 % and 10 % */
@@ -245,7 +244,7 @@ static void test_claims_file(void)
 {
     enter();
     holds_in_tree("\"$REPORT\" claims --variants --tables /nowhere");
-    scoped_table t = read_texts("out");
+    scoped_table t = read_table("out");
     leave();
     CU_ASSERT(t.n_rows > 100);
     for (size_t row = 0; row < t.n_rows; row++) {
@@ -461,12 +460,12 @@ static void test_page(void)
 /* A cell of a pool: the grid point of its row, in the larger ensemble of its sweep. */
 static void open_cell(char *cell_text, sweep_plan *plan, size_t *point)
 {
-    char path[256], text[64], *save;
+    char text[64], *save;
     RP_ENDS(sweep_recipe_free) sweep_recipe recipe;
     char *table = strtok_r(cell_text, " ", &save), *key;
     table[strcspn(table, "/")] = '\0';
-    snprintf(path, sizeof path, "sweeps/lh/%s.cfg", table);
-    if (access(path, R_OK)) snprintf(path, sizeof path, "sweeps/studies/%s.cfg", table);
+    const char *path = check_text("sweeps/lh/%s.cfg", table);
+    if (access(path, R_OK)) path = check_text("sweeps/studies/%s.cfg", table);
     CHECK_OK(sweep_recipe_read(path, &recipe));
     CHECK_OK(sweep_plan_read(path, sweep_protocols, plan));
     CHECK_OK(sweep_plan_replicate(plan, recipe.study));

@@ -13,7 +13,6 @@
 #include "core/clock.h"
 #include "cli/derive/derive.h"
 #include "tests/protocol.h"
-#include "tests/folder.h"
 #include "tests/numbers.h"
 #include "tests/program.h"
 
@@ -62,7 +61,7 @@ static void test_hardened(void)
 {
     static const char *const marks[] = {"DYN (Position-Independent", "GNU_RELRO", "BIND_NOW"};
     if (check_fast()) return; /* sanitizers have flags of their own */
-    CU_ASSERT_EQUAL(shell("readelf -hldW \"$REPOSE\" >out 2>err"), 0);
+    SHELL("readelf -hldW \"$REPOSE\" >out 2>err");
     for (size_t i = 0; i < sizeof marks / sizeof *marks; i++) CU_ASSERT_PTR_NOT_NULL(strstr(out, marks[i]));
 }
 
@@ -202,13 +201,13 @@ static void test_random_folders(void)
 {
     enum { NAMES = 1000, WORDS = 5 };
     scoped_rng *rng = numbers_of(2385, 8);
-    char root[FOLDER_PATH], name[NAMES][NUMBERS_TEXT], folder[PATH_MAX + 64];
+    char root[FOLDER_PATH], name[NAMES][NUMBERS_TEXT];
     folder_make_in_memory("folders", root);
     FILE *words = file_of("words.sh");
     for (int k = 0; k < NAMES; k++) {
         int end = 0;
         numbers_text(rng, "/", name[k]);
-        snprintf(folder, sizeof folder, "%s/x%.*s", root, NUMBERS_TEXT, name[k]);
+        char *folder = (char *)check_text("%s/x%.*s", root, NUMBERS_TEXT, name[k]);
         mkdir(folder, 0777); /* some names come twice */
         fflush(words);
         const pid_t child = fork();
@@ -235,14 +234,13 @@ static void test_random_folders(void)
     fclose(words);
     SHELL("sh words.sh >read 2>err && ! ls hit >out 2>>err");
     CU_ASSERT(access(folder_path(root, "hit"), F_OK) != 0);
-    path_of("read", folder);
     size_t n;
-    scoped char *read = file_read(folder, &n);
+    scoped char *read = file_read(path_of("read"), &n);
     const char *word = read;
     for (int k = 0; k < NAMES; k++)
         for (int w = 0; w < WORDS; w++, word += strlen(word) + 1) {
-            snprintf(folder, sizeof folder, "%s/x%.*s%s", root, NUMBERS_TEXT, name[k],
-                     w == 2 ? "/array.sh" : "");
+            const char *folder =
+                check_text("%s/x%.*s%s", root, NUMBERS_TEXT, name[k], w == 2 ? "/array.sh" : "");
             CU_ASSERT_FATAL(word < read + n);
             CHECK_OR_SAY(strcmp(word, folder) == 0, "the shell reads \"%s\" for \"%s\"", word, folder);
         }
@@ -263,8 +261,8 @@ static bool kill_at(long k, char *const words[])
 #endif
     };
     int end = 0;
-    char folder[256], program[PATH_MAX];
-    path_of(".", folder);
+    char program[PATH_MAX];
+    const char *folder = path_of(".");
     CU_ASSERT_PTR_NOT_NULL_FATAL(realpath(getenv("REPOSE"), program));
     const pid_t child = fork();
     if (child == 0) {
@@ -467,22 +465,12 @@ static void test_broken_output(void)
         {74, "garbage/store.sqlite: cannot read the store", "sweep export garbage"},
         {74, "garbage/store.sqlite: cannot read the store", "sweep digest garbage"},
         {74, "garbage/store.sqlite: cannot read the store", "sweep plan s.cfg -o garbage"}};
-    static const char *const writers[] = {"--help",
-                                          "--version",
-                                          "lattice --help",
-                                          "sweep --help",
-                                          "angle --help",
-                                          "lattice --layers 5",
-                                          "lattice --layers 5000", /* more than a buffer */
-                                          "continuum --alpha-deg 30",
-                                          "tent --outer-deg 30 --inner-deg 45 --x1 0.38",
-                                          "angle marginal --mu 0.2",
-                                          "angle tilt --mu 0.2 --theta-r-deg 18",
-                                          "run scene.cfg",
-                                          "sweep status d",
-                                          "sweep export d",
-                                          "bench -n 3 --steps 10",
-                                          "params"};
+    const char *writers =
+        "--help\n--version\nlattice --help\nsweep --help\nangle --help\nlattice --layers 5\n"
+        "lattice --layers 5000\n" /* more than a buffer */
+        "continuum --alpha-deg 30\ntent --outer-deg 30 --inner-deg 45 --x1 0.38\n"
+        "angle marginal --mu 0.2\nangle tilt --mu 0.2 --theta-r-deg 18\nrun scene.cfg\n"
+        "sweep status d\nsweep export d\nbench -n 3 --steps 10\nparams";
     write_text("file", "a file where a folder is expected\n");
     write_text("scene.cfg", "steps = 2; fill = { N = 3; W = 1.0; H = 1.0; };\n");
     write_text("s.cfg", "protocol = \"repose\"; replicas = 2; seed = 1;\n");
@@ -498,9 +486,9 @@ static void test_broken_output(void)
     CU_ASSERT_STRING_EQUAL(out, "a file where a folder is expected\n");
     slurp("garbage/store.sqlite", out, sizeof out);
     CU_ASSERT(strlen(out) == 4000);
-    for (size_t i = 0; i < sizeof writers / sizeof *writers; i++)
+    for (char words[128]; check_word(&writers, "\n", words);)
         /* the reason is lost for an output longer than its buffer */
-        FAILS(74, "cannot write: ", "%s >/dev/full", writers[i]);
+        FAILS(74, "cannot write: ", "%s >/dev/full", words);
 }
 
 /* ---- values ---- */
@@ -513,9 +501,9 @@ static void test_static_models(void)
     scoped_table tent = TABLE_OF("tent --outer-deg 23.85 --inner-deg 23.85 --x1 0.2385 --points 31");
     CU_ASSERT(t.n_rows == 31 && tent.n_rows == 31);
     for (size_t i = 0; i < 31; i++) {
-        CHECK_ALL_NEAR(FORM_TOLERANCE, {cell(&t, i, "x/B"), (double)i / 30.0},
-                       {cell(&tent, i, "x/B"), (double)i / 30.0},
-                       {cell(&tent, i, "y/B"), tan(23.85 * deg) * fmin((double)i, 30.0 - (double)i) / 30.0});
+        CHECK_PAIRS(FORM_TOLERANCE, {cell(&t, i, "x/B"), (double)i / 30.0},
+                    {cell(&tent, i, "x/B"), (double)i / 30.0},
+                    {cell(&tent, i, "y/B"), tan(23.85 * deg) * fmin((double)i, 30.0 - (double)i) / 30.0});
         CHECK_EACH(cell(&tent, i, NAME), FORM_TOLERANCE, {"N/(chi*g*B)", cell(&t, i, "N/(chi*g*B)")},
                    {"H/(chi*g*B)", cell(&t, i, "H/(chi*g*B)")});
     }
@@ -589,7 +577,7 @@ static void test_outline(void)
     CU_ASSERT(strstr(out, "\n2\tnan\tnan\tnan\t2005\t") && strstr(out, "\tsparse\n"));
     /* half of the cells is not enough */
     write_text("outline.csv", "x y\n0.5 9\n2.5 8\n4.5 7\n6.5 6\n8.5 5\n");
-    CU_ASSERT_EQUAL(run("angle slope outline.csv --width 9 --cell 1"), 0);
+    CU_ASSERT(run("angle slope outline.csv --width 9 --cell 1") == 0);
     FAILS(1, "sparse: 5 of 10 cells", "angle slope outline.csv --width 10 --cell 1");
     /* three quarters are as of a box, and half a cell below its ground */
     write_text("outline.csv", "x y\n0.5 4\n1.5 3\n2.5 2\n3.5 1\n4.5 -0.45\n");
@@ -863,8 +851,8 @@ static void test_stats_trends(void)
     CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "curved");
     CU_ASSERT_STRING_EQUAL(word(&t, 1, "status"), "ok");
     CU_ASSERT_STRING_EQUAL(t.cells[3 * t.n_columns - 1], "no_result");
-    GOOD("stats trend runs.tsv -x k -y theta --by mu --to 1e6 --scale log --pair");
-    CU_ASSERT(strstr(out, "# rows: 25 used, 1 without result, 2 with nan, 0 outside") != NULL);
+    PRINTS("# rows: 25 used, 1 without result, 2 with nan, 0 outside",
+           "stats trend runs.tsv -x k -y theta --by mu --to 1e6 --scale log --pair");
     read_again(&t, "out");
     CHECK_NEAR(cell(&t, 0, "n_left"), 0.0, 0.0);
     CHECK_NEAR(cell(&t, 1, "n_left"), 1.0, 0.0); /* the pile with a single x */
@@ -1092,8 +1080,7 @@ static void test_pooled(void)
     const stats_summary parts[] = {{.n = 4, .mean = 18.0, .sd = 2.0}, {.n = 8, .mean = 22.5, .sd = 3.0}};
     const stats_summary all = stats_pooled(2, parts), one = stats_pooled(1, parts);
     CU_ASSERT(all.n == 12 && one.n == 4);
-    CHECK_ALL_NEAR(1e-14, {all.mean, 21.0}, {all.sd, sqrt((12.0 + 63.0 + 36.0 + 18.0) / 11.0)},
-                   {one.sd, 2.0});
+    CHECK_PAIRS(1e-14, {all.mean, 21.0}, {all.sd, sqrt((12.0 + 63.0 + 36.0 + 18.0) / 11.0)}, {one.sd, 2.0});
     CHECK_NEAR(one.hi - one.mean, 3.182446305284263, 1e-9); /* Student's t of 3 degrees of freedom, se 1 */
 }
 
@@ -1398,13 +1385,12 @@ static void test_derivations(void)
         {"dip", "where = [\"alpha_deg>20\", \"alpha_deg<50\"];",
          "stress dip --where 'alpha_deg>20' --where 'alpha_deg<50'"},
         {"dip", "profile = true;", "stress dip --profile"}};
-    char text[4096] =
+    const char *text =
         "protocol = \"pile\"; replicas = 6;\n"
         "fixed = { base = 9; disorder = 1e-4; };\ngrid = { alpha_deg = [30.0, 40.0, 50.0]; };\nderive = (";
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
-        snprintf(text + strlen(text), sizeof text - strlen(text),
-                 "%s { table = \"t%zu\"; with = \"%s\"; %s }", k ? ",\n" : "", k, cases[k].with,
-                 cases[k].setting);
+        text = check_text("%s%s { table = \"t%zu\"; with = \"%s\"; %s }", text, k ? ",\n" : "", k,
+                          cases[k].with, cases[k].setting);
     write_text("s.cfg", "%s );\n", text);
     CU_ASSERT(run("sweep make s.cfg -o d --tables t -j 1") == 0);
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
@@ -1421,8 +1407,7 @@ static void test_derivations(void)
             bool tested = !(*c)->derives || strstr(others, cli_own_name(*c));
             for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
                 tested |= strcmp(cases[k].with, cli_own_name(*c)) == 0;
-            if (!tested) fprintf(stderr, "%s: no case\n", (*c)->name);
-            CU_ASSERT(tested);
+            CHECK_OR_SAY(tested, "%s: no case", (*c)->name);
         }
 }
 

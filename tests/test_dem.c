@@ -4,7 +4,6 @@
 #include "dem/setup/definition.h"
 #include "dem/state/method.h"
 #include "dem/methods/methods.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 
 static const double INF = INFINITY;
@@ -91,7 +90,7 @@ static void momentum_of(bool rotation)
     }
     CU_ASSERT(touched > 30); /* otherwise no contact was tested */
     /* round-off of 4000 additions a grain, random signs: sqrt(4000 * 60) eps */
-    CHECK_ALL_NEAR(1e-13 * scale, {p1[0], p0[0]}, {p1[1], p0[1]});
+    CHECK_PAIRS(1e-13 * scale, {p1[0], p0[0]}, {p1[1], p0[1]});
     if (rotation) CHECK_NEAR(l1, l0, 1e-13 * scale * 2.0); /* at some 2 cm from the origin */
 }
 
@@ -122,9 +121,9 @@ static void mirror_and_relabel_of(bool rotation)
     int contacts = 0;
     for (int i = 0; i < 80; i++) {
         contacts += s[i].contacts;
-        CHECK_ALL_NEAR(1e-9, {m[i].x, 2.4 - s[i].x}, {m[i].y, s[i].y}, {r[79 - i].x, s[i].x});
-        CHECK_ALL_NEAR(1e-6, {m[i].vx, -s[i].vx}, {r[79 - i].vy, s[i].vy});
-        CHECK_ALL_NEAR(1e-5, {m[i].omega, -s[i].omega}, {r[79 - i].omega, s[i].omega});
+        CHECK_PAIRS(1e-9, {m[i].x, 2.4 - s[i].x}, {m[i].y, s[i].y}, {r[79 - i].x, s[i].x});
+        CHECK_PAIRS(1e-6, {m[i].vx, -s[i].vx}, {r[79 - i].vy, s[i].vy});
+        CHECK_PAIRS(1e-5, {m[i].omega, -s[i].omega}, {r[79 - i].omega, s[i].omega});
         CHECK_NEAR(m[i].angle, -s[i].angle, 1e-8);
     }
     CU_ASSERT(contacts > 40);
@@ -381,7 +380,7 @@ static void gravity_turns(void)
     CHECK_OK(dem_run(sim, 30000));
     dem_gravity(sim, g);
     /* 30000 products of rounding errors of some eps each */
-    CHECK_ALL_NEAR(1e-9, {g[0], 981.0 * sin(30000 * rate)}, {g[1], -981.0 * cos(30000 * rate)});
+    CHECK_PAIRS(1e-9, {g[0], 981.0 * sin(30000 * rate)}, {g[1], -981.0 * cos(30000 * rate)});
     CHECK_NEAR(hypot(g[0], g[1]), 981.0, 1e-12 * 981.0);
     dem_gravity_turn(sim, 0.0);
     CHECK_OK(dem_run(sim, 10));
@@ -393,7 +392,7 @@ static void gravity_turns(void)
     dem_gravity_turn(sim, 1.0);
     CHECK_OK(dem_run(sim, 2000));
     dem_gravity(sim, g);
-    CHECK_ALL_NEAR(1e-12, {g[0], 0.3 * sin(2000.0)}, {g[1], -0.3 * cos(2000.0)});
+    CHECK_PAIRS(1e-12, {g[0], 0.3 * sin(2000.0)}, {g[1], -0.3 * cos(2000.0)});
     CHECK_NEAR(hypot(g[0], g[1]), 0.3, 1e-16);
 }
 
@@ -1583,7 +1582,7 @@ static void state_near_rest(void)
     grains_again(&sim, &def, 0);
     CHECK_OK(dem_rest_state(sim, 0.0, 1.0, &rest));
     CU_ASSERT(rest.n == 2 && rest.contact_number == 0.5);
-    CHECK_ALL_NEAR(1e-9, {rest.net_force, 0.5 * 0.004 * 981.0}, {rest.free_force, 0.004 * 981.0});
+    CHECK_PAIRS(1e-9, {rest.net_force, 0.5 * 0.004 * 981.0}, {rest.free_force, 0.004 * 981.0});
 }
 
 /* Both limits count; where looks follow soon, one in the air is at rest only if nothing accelerates it. */

@@ -10,7 +10,6 @@
 #include <ctype.h>
 #include <unistd.h>
 
-#include "tests/folder.h"
 #include "tests/program.h"
 
 #define PAGES(X)                                                                                             \
@@ -124,12 +123,6 @@ static void run_block(block *b)
     b->commands[0] = b->instead[0] = b->expected[0] = '\0';
 }
 
-static void append(char *text, const char *line)
-{
-    CU_ASSERT_FATAL(strlen(text) + strlen(line) < LONGEST_BLOCK);
-    strcat(text, line);
-}
-
 /* Folder `page` of the test's folder: links to the repository's root, and the program in build. */
 static void make_folder(void)
 {
@@ -160,7 +153,8 @@ static void page(const char *path)
             if (to == b.expected) run_block(&b);
             to = NULL;
         } else if (to) {
-            append(to, line);
+            CU_ASSERT_FATAL(strlen(to) + strlen(line) < LONGEST_BLOCK);
+            strcat(to, line);
         } else if (strncmp(line, "```text", 7) == 0) {
             to = b.expected;
         } else if (*line != '\n') {

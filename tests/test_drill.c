@@ -10,12 +10,10 @@
 #include <sys/prctl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "core/clock.h"
 #include "table/table.h"
-#include "tests/check.h"
 #include "tests/faults.h"
 #include "tests/folder.h"
 #include "tests/noise.h"

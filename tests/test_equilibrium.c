@@ -2,7 +2,6 @@
  * direct methods, the simulator at rest, results for soft piles, every status. */
 #include <float.h>
 #include <gsl/gsl_eigen.h>
-#include <gsl/gsl_math.h>
 
 #include "analytic/analytic.h"
 #include "statics/bonds.h"
@@ -144,10 +143,10 @@ static void test_three_disks(void)
     CHECK_OK(solve(&h, def));
     for (size_t i = 0; i < 2; i++) {
         const double side = i ? 1 : -1;
-        CHECK_ALL_NEAR(ROUNDING, {h.N[i], 1.5}, {h.H[i], side * THREE_H});
+        CHECK_PAIRS(ROUNDING, {h.N[i], 1.5}, {h.H[i], side * THREE_H});
     }
     /* disks 0 (left), 1 (top), 2 (right): the contact force 1/sqrt 3 is the overlap along the diagonal */
-    CHECK_ALL_NEAR(ROUNDING, {h.u[0], -THREE_H / 0.385}, {h.u[1], -1.5});
+    CHECK_PAIRS(ROUNDING, {h.u[0], -THREE_H / 0.385}, {h.u[1], -1.5});
     const double along = (h.u[2] - h.u[0]) * 0.5 + (h.u[3] - h.u[1]) * cos(M_PI / 6);
     CHECK_NEAR(along, -1 / sqrt(3), ROUNDING);
     scoped statics_contact *contacts = NULL;
@@ -166,7 +165,7 @@ static void test_three_disks(void)
     /* wells set at the displacements of half the load; the full force acts from there */
     def.set_load = 0.5;
     CHECK_OK(solve(&h, def));
-    CHECK_ALL_NEAR(ROUNDING, {h.H[1], THREE_H}, {h.u[2 * 2], 1.5 * THREE_H / 0.385});
+    CHECK_PAIRS(ROUNDING, {h.H[1], THREE_H}, {h.u[2 * 2], 1.5 * THREE_H / 0.385});
 }
 
 /* Disks apart on wells of stiffness mu N/a = N/4: the softest belongs to the lightest. */
@@ -705,7 +704,7 @@ static void test_horizontal_force(void)
         CHECK_NEAR(worst_of(h.H, h.k) / (B * fabs(kink.H)), cases[c].found, 0.01);
         CU_ASSERT(h.result.horizontal > h.n / 2);
         for (size_t i = 0; i < h.k; i++) { /* mirrored */
-            CHECK_ALL_NEAR(1e-9, {h.N[i], h.N[h.k - 1 - i]}, {h.H[i], -h.H[h.k - 1 - i]});
+            CHECK_PAIRS(1e-9, {h.N[i], h.N[h.k - 1 - i]}, {h.H[i], -h.H[h.k - 1 - i]});
         }
     }
     /* steeper slopes all have an equilibrium */
@@ -1043,7 +1042,7 @@ static void check_half_pile(double unit)
     for (size_t i = 0; i < h.n; i++) {
         CU_ASSERT_FATAL(parents[i].a < n_half && parents[i].b < n_half);
         const statics_disk *p = &half[parents[i].a], *q = &half[parents[i].b];
-        CHECK_ALL_NEAR(round_off, {p->x + q->x, h.disks[i].x}, {p->y + q->y - unit, h.disks[i].y - unit / 2});
+        CHECK_PAIRS(round_off, {p->x + q->x, h.disks[i].x}, {p->y + q->y - unit, h.disks[i].y - unit / 2});
         const double apart = hypot(p->x - q->x, p->y - q->y);
         CHECK_NEAR(apart, parents[i].a == parents[i].b ? 0 : unit, round_off);
     }

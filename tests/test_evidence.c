@@ -10,7 +10,6 @@
 #include "sweeps/engine/experiment.h"
 #include "sweeps/engine/private.h"
 #include "sweeps/protocols/protocols.h"
-#include "tests/folder.h"
 #include "tests/program.h"
 
 /* ---- from a table to the words of the report ---- */
@@ -118,7 +117,7 @@ static void test_verdicts(void)
 {
     write_claims();
     REPORTS("claims --claims claims.tsv --tables .");
-    scoped_table t = read_texts("out");
+    scoped_table t = read_table("out");
     CU_ASSERT_FATAL(t.n_rows == N_ANSWERS);
     for (size_t i = 0; i < N_ANSWERS; i++) {
         const char *verdict = word(&t, i, "verdict"), *ours = word(&t, i, "ours");
@@ -287,11 +286,10 @@ static void test_failed_cells(void)
         {"columns", "s/new g=2 change", "0",
          "3 of 10 (no_pile 3): the flattest piles are left out, theta_R is too large"},
         {"two columns", "s/new g=2 change", "s/new g=1 change", "5 of 20 (no_pile 4, overlap 1)"}};
-    char text[4096] = CLAIMS;
+    const char *text = CLAIMS;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
-        snprintf(text + strlen(text), sizeof text - strlen(text),
-                 "%s\t-\tlh\t-\ts\tabove\t-\t-\t-\t-\t%s\t%s\t%s\t-\n", cases[k][0], cases[k][1], cases[k][2],
-                 cases[k][0]);
+        text = check_text("%s%s\t-\tlh\t-\ts\tabove\t-\t-\t-\t-\t%s\t%s\t%s\t-\n", text, cases[k][0],
+                          cases[k][1], cases[k][2], cases[k][0]);
     write_text("claims.tsv", "%s", text);
     write_text("s/points.tsv",
                SWEEP("s") "14 of 30 (overlap 14)\n# k\tg\tn\tn_failed\ta_mean\ta_sd\ta_se\ta_n\n"
@@ -348,9 +346,8 @@ static void test_references(void)
     REPORTS("page in.md --tables . --claims claims.tsv");
     CU_ASSERT_STRING_EQUAL(out, filled);
     /* from another folder */
-    CU_ASSERT_EQUAL(shell("mkdir sub && cd sub && \"$REPORT\" page ../in.md --tables .. --claims "
-                          "../claims.tsv >../out 2>../err"),
-                    0);
+    SHELL("mkdir sub && cd sub && \"$REPORT\" page ../in.md --tables .. --claims "
+          "../claims.tsv >../out 2>../err");
     CU_ASSERT_STRING_EQUAL(out, filled);
     static const char *const formats[] = {"%.3fx", "%g", "%.17g", "%.3d", "%.3", "%3.f", "x%.3f"};
     for (size_t k = 0; k < sizeof formats / sizeof *formats; k++) {
@@ -506,7 +503,7 @@ static void test_joint_claims(void)
                 check_text("chi² = %.1f over 2, p = %.2g; with a common shift of %.2f ± %.2f, %.1f over 1",
                            chi2, exp(-0.5 * chi2), shift, 1.0 / sqrt(w1 + w2), left),
                 "-");
-    scoped_table t = read_texts("out");
+    scoped_table t = read_table("out");
     static const char *const verdicts[] = {"reproduced",     "not reproduced", "no data",
                                            "not reproduced", "reproduced",     "no data"};
     for (size_t row = 0; row < 6; row++) CU_ASSERT_STRING_EQUAL(word(&t, row, "verdict"), verdicts[row]);
@@ -689,9 +686,9 @@ static size_t check_statement(const char *id, const char *text, const config_t *
         while (end > text && end[-1] == ' ') end--;
         for (begin = end; begin > text && (isalnum((unsigned char)begin[-1]) || begin[-1] == '_'); begin--) {
         }
-        char key[64], *after;
+        char *after;
         const bool wall = begin - text >= 9 && strncmp(begin - 9, "walls of ", 9) == 0;
-        snprintf(key, sizeof key, "%.*s%s", (int)(end - begin), begin, wall ? "_wall" : "");
+        const char *key = check_text("%.*s%s", (int)(end - begin), begin, wall ? "_wall" : "");
         const double value = strtod(equals + 1, &after);
         const rp_param *p = rp_params_find(protocol->schema, key);
         if (!p || (p->type != RP_REAL && p->type != RP_INT) || after == equals + 1) continue;
@@ -971,10 +968,9 @@ static void test_claims_again(void)
     CU_ASSERT_PTR_NOT_NULL_FATAL(in);
     CHECK_OK(rp_table_read("report/claims.tsv", &t));
     for (size_t row = 0; row < t.n_rows; row++) {
-        char wanted[2048] = "";
+        const char *wanted = "";
         for (size_t k = 0; k < sizeof columns / sizeof *columns; k++)
-            snprintf(wanted + strlen(wanted), sizeof wanted - strlen(wanted), "%s%s", k ? " | " : "",
-                     word(&t, row, columns[k]));
+            wanted = check_text("%s%s%s", wanted, k ? " | " : "", word(&t, row, columns[k]));
         do {
             if (!fgets(line, sizeof line, in)) strcpy(line, "(end of the file)\n");
         } while (*line == '#');

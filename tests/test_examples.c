@@ -1,6 +1,5 @@
-/* Scenes of `examples`: one number of each against a known answer, as the scene's first lines state it. The
- * tests run from the repository's root. Under the sanitizers long ones only start; with --full, the hopper
- * has more outlets. */
+/* Scenes of `examples`: one number of each against the known answer in its first lines. They run in the
+ * repository's root. Under the sanitizers long ones only start; with --full, the hopper has more outlets. */
 #include <unistd.h>
 
 #include "angle/angle.h"
@@ -26,7 +25,7 @@ static void impact(void)
     dem_state s[2];
     scoped_sim *sim = start("examples/impact.cfg", NULL, &steps);
     grains_run(sim, steps, s);
-    CHECK_ALL_NEAR(0.3, {s[0].vx, 20.0}, {s[1].vx, 80.0});
+    CHECK_PAIRS(0.3, {s[0].vx, 20.0}, {s[1].vx, 80.0});
     CHECK_NEAR(s[0].vx + s[1].vx, 100.0, 1e-10);
 }
 
@@ -89,8 +88,7 @@ static void enter_folder(void)
     setenv("REPOSE_DATA", root, 1);
 }
 
-/* What an experiment measures, with a change, or has measured just now; NAN under the sanitizers, where it is
- * read alone. */
+/* What an experiment measures, with a change, or just measured; NAN under the sanitizers, which only read. */
 static double measured(const char *file, const char *set, const char *name)
 {
     double value = NAN;
@@ -141,7 +139,7 @@ static void cylinder(void)
     const double slow = measured("cylinder.cfg", "v=1.0", "heap_mean_deg"),
                  fast = measured("cylinder.cfg", "v=8.0", "heap_mean_deg");
     if (check_fast()) return;
-    CHECK_ALL_NEAR(2.0, {slow, 20.0}, {fast, 10.0});
+    CHECK_PAIRS(2.0, {slow, 20.0}, {fast, 10.0});
 }
 
 /* The page's box: the same grains as those of pile.cfg, whose wall waits for rest. */
@@ -153,7 +151,7 @@ static void box(void)
                  full = measured("box.cfg", "opens=false", "height");
     leave();
     if (check_fast()) return;
-    CHECK_ALL_NEAR(0.5, {theta, 12.0}, {rough, 22.0});
+    CHECK_PAIRS(0.5, {theta, 12.0}, {rough, 22.0});
     CHECK_NEAR(full, 4.0, 0.1);
 }
 

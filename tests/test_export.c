@@ -292,8 +292,7 @@ static void test_dump_files(void)
     write_text("left.tsv", "x\ty\tr\n-3\t-4\t1\n");
     PRINTS("\nITEM: BOX BOUNDS ff ff pp\n2 4\n3 5\n-1 1\nITEM: ATOMS ", "export right.tsv --to lammps");
     PRINTS("\nITEM: BOX BOUNDS ff ff pp\n-4 -2\n-5 -3\n-1 1\nITEM: ATOMS ", "export left.tsv --to lammps");
-    /* components without the other one are columns; without numbers grains count in each frame, without a
-     * time it is the step */
+    /* lone components are columns; without numbers grains count in each frame, the time is the step */
     write_text("half.tsv", "step\tx\ty\tr\tvx\tfy\n3\t0\t0\t1\t2\t4\n3\t2\t0\t1\t5\t6\n4\t0\t0\t1\t7\t8\n");
     GOOD("export half.tsv --to xyz");
 #define HALF "Properties=id:I:1:pos:R:3:radius:R:1:vx:R:1:fy:R:1 "
@@ -477,7 +476,7 @@ static void spin_apart(const char *shape, double E, double apart[3])
                shape, E);
     GOOD("export spin.cfg --to lammps-input -o spin.in");
     GOOD("run spin.cfg -o spin --force");
-    CU_ASSERT(shell("lmp -in spin.in >said && tail -n 3 spin.lammpstrj | awk '{ print $NF }' >out") == 0);
+    SHELL("lmp -in spin.in >said && tail -n 3 spin.lammpstrj | awk '{ print $NF }' >out");
     double theirs[3];
     CU_ASSERT(sscanf(out, "%lf %lf %lf", &theirs[0], &theirs[1], &theirs[2]) == 3);
     scoped_table ours = read_table("spin/states.tsv");
@@ -597,8 +596,7 @@ static void test_plain_input(void)
                "particles = ( { x = -1.0; y = -2.0; r = 0.25; }, { x = -3.0; y = -1.0; r = 0.0625; } );\n");
     GOOD("export l.cfg --to lammps-input -o l.in");
     slurp("l.data", text, sizeof text);
-    CU_ASSERT_PTR_NOT_NULL(
-        strstr(text, "\n-3.0625 -0.75 xlo xhi\n-2.25 -0.9375 ylo yhi\n-0.25 0.25 zlo zhi\n"));
+    CU_ASSERT(strstr(text, "\n-3.0625 -0.75 xlo xhi\n-2.25 -0.9375 ylo yhi\n-0.25 0.25 zlo zhi\n") != NULL);
     slurp("l.in", text, sizeof text);
     CU_ASSERT(strstr(text, "\nvariable every index 1\n") && !strstr(text, "\ngroup type") &&
               !strstr(text, "fix gravity"));

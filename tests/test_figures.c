@@ -3,7 +3,6 @@
 #include <ctype.h>
 #include <glob.h>
 
-#include "tests/folder.h"
 #include "tests/program.h"
 
 enum { MOST_NAMES = 512, MOST_TABLES = 16, MOST_ROWS = 16, MOST_KEYS = 24 };
@@ -36,12 +35,10 @@ static size_t index_of(const char *name)
     return i;
 }
 
-static void add_name(const char *name, size_t length)
+static void add_name(const char *name)
 {
-    char word[48];
-    if (length == 0 || length >= sizeof word || n_names == MOST_NAMES) return;
-    snprintf(word, sizeof word, "%.*s", (int)length, name);
-    if (index_of(word) == n_names) strcpy(names[n_names++], word);
+    if (*name && strlen(name) < sizeof *names && n_names < MOST_NAMES && index_of(name) == n_names)
+        strcpy(names[n_names++], name);
 }
 
 static void add_names_of(const char *path)
@@ -53,7 +50,8 @@ static void add_names_of(const char *path)
             const size_t length = strcspn(quote + 1, "'\"");
             const size_t word = strspn(quote + 1, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
                                                   "0123456789_/()*");
-            if (word == length && isalpha((unsigned char)quote[1])) add_name(quote + 1, length);
+            if (word == length && isalpha((unsigned char)quote[1]))
+                add_name(check_text("%.*s", (int)length, quote + 1));
             if (!quote[1 + length]) break;
             quote += 1 + length;
         }
@@ -78,23 +76,16 @@ static void collect_names(void)
     char name[128];
     n_names = 0;
     each_figure(add_names_of);
-    while (check_word(&more, " ", name)) add_name(name, strlen(name));
+    while (check_word(&more, " ", name)) add_name(name);
     for (size_t i = 0; i < 4; i++)
-        for (int k = 0; k < 2; k++) {
-            snprintf(name, sizeof name, "theta_t_%s_%sdeg", forms[i], k ? "se_" : "");
-            add_name(name, strlen(name));
-        }
+        for (int k = 0; k < 2; k++) add_name(check_text("theta_t_%s_%sdeg", forms[i], k ? "se_" : ""));
     static const char *const onset[] = {"limit_floor", "limit_wall",   "limit_inside",
                                         "moved_floor", "moved_inside", "moved_surface"};
-    for (int k = 0; k < 6 * 5 * 2; k++) {
-        snprintf(name, sizeof name, "%s_%d_%s", onset[k / 10], k / 2 % 5, k % 2 ? "se" : "mean");
-        add_name(name, strlen(name));
-    }
+    for (int k = 0; k < 6 * 5 * 2; k++)
+        add_name(check_text("%s_%d_%s", onset[k / 10], k / 2 % 5, k % 2 ? "se" : "mean"));
     for (int k = 0; k < 2; k++) {
-        snprintf(name, sizeof name, "%c_diagonals/mg", "NH"[k]);
-        add_name(name, strlen(name));
-        snprintf(name, sizeof name, "%c/(chi*g*B)", "NH"[k]);
-        add_name(name, strlen(name));
+        add_name(check_text("%c_diagonals/mg", "NH"[k]));
+        add_name(check_text("%c/(chi*g*B)", "NH"[k]));
     }
 }
 
@@ -333,11 +324,11 @@ static void copy_figures(void)
 /* Draw a figure of gnuplot into a table, and as it is. */
 static bool draw(const char *figure)
 {
-    char sweeps[1024] = "";
-    for (size_t i = 0, used = 0; i < n_fixtures; i++) {
+    const char *sweeps = "";
+    for (size_t i = 0; i < n_fixtures; i++) {
         write_fixture(&fixtures[i]);
-        used += (size_t)snprintf(sweeps + used, sizeof sweeps - used, "%s%.*s", i ? " " : "",
-                                 (int)strcspn(fixtures[i].name, "/"), fixtures[i].name);
+        sweeps = check_text("%s%s%.*s", sweeps, i ? " " : "", (int)strcspn(fixtures[i].name, "/"),
+                            fixtures[i].name);
     }
     const int status = shell_line(
         "w=$PWD/; set -- -e \"folders='$w'; sweeps='%s'; terminal='svg'\"; (cd \"$OLDPWD\"; exec "
@@ -514,16 +505,14 @@ static void test_drawn(void)
         if (strcmp(line, "text") == 0) {
             const bool shown =
                 file_holds("set", rest) || file_holds("drawn", rest) || file_holds("plain.svg", rest);
-            if (!shown) fprintf(stderr, "tests/figures.txt:%d: %s: no text \"%s\"\n", number, figure, rest);
-            CU_ASSERT(shown);
+            CHECK_OR_SAY(shown, "tests/figures.txt:%d: %s: no text \"%s\"", number, figure, rest);
             continue;
         }
         bool right = next_curve();
         if (!right) fprintf(stderr, "%s: no such curve\n", figure);
         if (right && strcmp(line, "curve") == 0) right = check_curve(rest);
         if (right && strcmp(line, "line") == 0) right = check_line(rest);
-        if (!right) fprintf(stderr, "tests/figures.txt:%d: %s\n", number, figure);
-        CU_ASSERT(right);
+        CHECK_OR_SAY(right, "tests/figures.txt:%d: %s", number, figure);
         if (!right) good_figure = false;
     }
     leave();
@@ -538,9 +527,7 @@ static void check_described(const char *path)
     const int length = (int)(strrchr(name, '.') - name);
     const char *figure = check_text("\nfigure %.*s\n", length, name);
     const char *skip = check_text("\nskip %.*s ", length, name);
-    const bool described = strstr(text, figure) || strstr(text, skip);
-    if (!described) fprintf(stderr, "tests/figures.txt: no figure %s\n", path);
-    CU_ASSERT(described);
+    CHECK_OR_SAY(strstr(text, figure) || strstr(text, skip), "tests/figures.txt: no figure %s", path);
 }
 
 static void test_all_described(void)
@@ -557,8 +544,7 @@ static void check_style(const char *path)
     scoped char *text = file_read(path, &n);
     bool good = strstr(text, "heading = ") || strstr(text, "load 'figures/l");
     for (size_t k = 0; k < sizeof elsewhere / sizeof *elsewhere; k++) good &= !strstr(text, elsewhere[k]);
-    if (!good) fprintf(stderr, "%s: no heading, or a size or font of its own\n", path);
-    CU_ASSERT(good);
+    CHECK_OR_SAY(good, "%s: no heading, or a size or font of its own", path);
 }
 
 static void test_style_in_one_place(void)

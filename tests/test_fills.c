@@ -2,7 +2,6 @@
 #include <gsl/gsl_sort.h>
 #include <stddef.h>
 
-#include "check.h"
 #include "grains.h"
 
 /* ---- laws of radii ---- */

@@ -7,7 +7,6 @@
 
 #include "core/file.h"
 #include "core/random.h"
-#include "tests/folder.h"
 #include "tests/program.h"
 
 #define SCENE "steps = 4; gravity = [0.0, 0.0]; particles = ( { x = 0.0; y = 0.0; r = 0.1; } );\n"
@@ -172,13 +171,12 @@ static bool is_same(const thing *t)
 /* May a person's thing stand there: in a folder, no link to one, under a name that is not the program's? */
 static bool is_free(const char *path)
 {
-    char folder[160], *marker = NULL;
-    const char *name = strrchr(path, '/') + 1;
+    char *marker = NULL;
+    const char *name = strrchr(path, '/') + 1, *folder = check_text("%.*s", (int)(name - path) - 1, path);
     struct stat info;
-    snprintf(folder, sizeof folder, "%.*s", (int)(name - path) - 1, path);
     if (lstat(path, &info) == 0 || lstat(folder, &info) != 0 || !S_ISDIR(info.st_mode)) return false;
-    snprintf(folder, sizeof folder, "%.*s.repose", (int)(name - path), path);
-    const bool is_own = rp_file_read(folder, &marker) == RP_OK && strstr(marker, check_text(" %s\n", name));
+    const bool is_own = rp_file_read(folder_path(folder, ".repose"), &marker) == RP_OK &&
+                        strstr(marker, check_text(" %s\n", name));
     free(marker);
     return !is_own;
 }
@@ -257,7 +255,7 @@ static void test_random_folders(void)
                                            "calibrate fit.cfg -o d -j 1 --budget 24"};
     enum { N = sizeof commands / sizeof *commands };
     const size_t rounds = check_fast() ? 60 : 400;
-    char path[256], base[FOLDER_PATH];
+    char base[FOLDER_PATH];
     folder_make_in_memory("folders", base);
     CU_ASSERT_FATAL(chdir(base) == 0);
     file_print("s.cfg", "%s", SCENE);
@@ -272,11 +270,10 @@ static void test_random_folders(void)
     chance = rp_random_alloc(36, 1, RP_PURPOSE_TEST);
     size_t kept = 0;
     for (size_t k = 0; k < rounds; k++) {
-        char line[2][160];
+        const char *line[2];
         const size_t start = draw(5);
-        snprintf(path, sizeof path, "rm -rf d side && mkdir side && echo notes >side/notes && %s",
-                 starts[start]);
-        CU_ASSERT(system(path) == 0);
+        CU_ASSERT(system(check_text("rm -rf d side && mkdir side && echo notes >side/notes && %s",
+                                    starts[start])) == 0);
         mine.n = 0;
         put("side/none", 0, false);
         strcpy(mine.of[mine.n].path, "side/notes");
@@ -291,21 +288,13 @@ static void test_random_folders(void)
             char name[128] = "";
             for (size_t at = 0; at <= i; at++) CU_ASSERT_FATAL(check_word(&from, "\n", name));
             CU_ASSERT((*from == '\0') == (i == N_NAMES - 1)); /* the list has as many */
-            snprintf(path, sizeof path, "d/%s", name);
-            put(path, draw(4), i >= RESERVED);
+            put(folder_path("d", name), draw(4), i >= RESERVED);
         }
         kept += mine.n;
-        for (size_t n = 0; n < 2; n++) {
-            snprintf(line[n], sizeof line[n], "%s", commands[draw(N)]);
-            run_words(line[n], 0);
-        }
-        for (const thing *t = mine.of; t < mine.of + mine.n; t++) {
-            const bool same = is_same(t);
-            if (!same)
-                fprintf(stderr, "%zu: %s of \"%s\" changed by %s; %s\n", k, t->path, starts[start], line[0],
-                        line[1]);
-            CU_ASSERT(same);
-        }
+        for (size_t n = 0; n < 2; n++) run_words(line[n] = commands[draw(N)], 0);
+        for (const thing *t = mine.of; t < mine.of + mine.n; t++)
+            CHECK_OR_SAY(is_same(t), "%zu: %s of \"%s\" changed by %s; %s", k, t->path, starts[start],
+                         line[0], line[1]);
         CU_ASSERT(rmdir("side/none") == 0 && unlink("side/notes") == 0 &&
                   rmdir("side") == 0); /* and no more */
     }

@@ -5,7 +5,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/fuzz/targets.h"
 #include "tests/grains.h"

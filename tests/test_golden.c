@@ -6,7 +6,6 @@
 
 #include "core/version.h"
 #include "sweeps/engine/experiment.h"
-#include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/grains.h"
 #include "tests/protocol.h"
@@ -95,15 +94,12 @@ static const uint64_t SCENE_DIGEST = 0x1ff96ac9ea57101b;
 
 static void check_digest(const char *what, uint64_t digest, uint64_t golden)
 {
-    bool same = RP_MODEL_VERSION == GOLDEN_VERSION && digest == golden;
-    if (!same)
-        fprintf(stderr,
-                "%s: digest 0x%016llx, expected 0x%016llx of model version %d.\nBits changed: raise "
-                "RP_MODEL_VERSION (now %d) in src/core/version.h, unless the\nfingerprint of all protocols "
-                "concerned changes too, and put it (GOLDEN_VERSION) and the new digest into %s.\n",
-                what, (unsigned long long)digest, (unsigned long long)golden, GOLDEN_VERSION,
-                RP_MODEL_VERSION, __FILE__);
-    CU_ASSERT(same);
+    CHECK_OR_SAY(RP_MODEL_VERSION == GOLDEN_VERSION && digest == golden,
+                 "%s: digest 0x%016llx, expected 0x%016llx of model version %d.\nBits changed: raise "
+                 "RP_MODEL_VERSION (now %d) in src/core/version.h, unless the\nfingerprint of all protocols "
+                 "concerned changes too, and put it (GOLDEN_VERSION) and the new digest into %s.",
+                 what, (unsigned long long)digest, (unsigned long long)golden, GOLDEN_VERSION,
+                 RP_MODEL_VERSION, __FILE__);
 }
 
 /* Of the key of stored runs of `pile`: an accidental change loses all stored runs. */
@@ -182,8 +178,7 @@ static void test_protocols(void)
     for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
         bool has_run = false;
         for (size_t i = 0; i < N_RUNS; i++) has_run |= strcmp(runs[i].protocol, (*p)->name) == 0;
-        if (!has_run) fprintf(stderr, "protocol %s has no golden run\n", (*p)->name);
-        CU_ASSERT(has_run);
+        CHECK_OR_SAY(has_run, "protocol %s has no golden run", (*p)->name);
     }
 }
 

@@ -213,9 +213,8 @@ static void misprint_spin(void)
     CU_ASSERT(sticks > 1000 && slide == sticks && turns == sticks && same == sticks);
 }
 
-/* (2), (3) and (9) do not define r_i. As the vector from the contact point Q to the centre, each body
- * conserves its moment about Q, and (9) is the velocity of the surfaces; as the reverse vector, neither
- * holds. */
+/* (2), (3) and (9) do not define r_i. As the vector from contact point Q to centre, each body conserves its
+ * moment about Q, and (9) is the surfaces' velocity; as the reverse, neither holds. */
 static void vector_to_contact(void)
 {
     scoped_rng *r = numbers_of(1992, 4);

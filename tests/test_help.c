@@ -1,7 +1,6 @@
 /* Help, manual, completion and lists of parameters: whole texts, put together a second time from the
  * commands' own words and schemas. */
 #include <jansson.h>
-#include <stdarg.h>
 
 #include "cli/cli.h"
 #include "params/expression.h"
@@ -19,19 +18,13 @@
 static char *rest;
 
 /* The next line, or lines, are these. */
-static void line_is(const char *format, ...) __attribute__((format(printf, 1, 2)));
-static void line_is(const char *format, ...)
+#define line_is(...) goes_on(check_text("%s\n", check_text(__VA_ARGS__)))
+static void goes_on(const char *expected)
 {
-    char expected[4096];
-    va_list list;
-    va_start(list, format);
-    const int length = vsnprintf(expected, sizeof expected - 1, format, list);
-    va_end(list);
-    strcpy(expected + length, "\n");
     const bool same = strncmp(rest, expected, strlen(expected)) == 0;
     if (!same) fprintf(stderr, "the text goes on:\n%.400s\nexpected:\n%s", rest, expected);
     CU_ASSERT_FATAL(same);
-    rest += length + 1;
+    rest += strlen(expected);
 }
 
 static void text_ends(void)
@@ -184,23 +177,20 @@ static void test_help(void)
     /* 80 without a number of columns; never below 60 or above 110 */
     static const char *const same[][2] = {
         {"", "80"}, {"0", "80"}, {"-3", "80"}, {"59", "60"}, {"111", "110"}};
-    for (size_t k = 0; k < sizeof same / sizeof *same; k++) {
-        CU_ASSERT_EQUAL(
+    for (size_t k = 0; k < sizeof same / sizeof *same; k++)
+        CU_ASSERT(
             shell_line(
                 "for c in '%s' %s; do COLUMNS=$c \"$REPOSE\" calibrate --help >help_$c 2>err; done; cmp "
                 "help_%s help_%s >out",
-                same[k][0], same[k][1], same[k][0], same[k][1]),
-            0);
-    }
+                same[k][0], same[k][1], same[k][0], same[k][1]) == 0);
     /* that of a terminal, but for COLUMNS */
     if (shell("script -qec true typed </dev/null >out 2>err") != 0)
         fprintf(stderr, "help: no terminal of script(1): its width is not tested\n");
     else
-        CU_ASSERT_EQUAL(shell("export REPOSE; script -qec 'stty cols 100; $REPOSE calibrate --help; "
-                              "COLUMNS=70 $REPOSE calibrate --help' typed </dev/null >out; tr -d '\\r' <out "
-                              ">said; for c in 100 70; do COLUMNS=$c \"$REPOSE\" calibrate --help; done "
-                              ">wanted; cmp said wanted >out"),
-                        0);
+        SHELL("export REPOSE; script -qec 'stty cols 100; $REPOSE calibrate --help; "
+              "COLUMNS=70 $REPOSE calibrate --help' typed </dev/null >out; tr -d '\\r' <out "
+              ">said; for c in 100 70; do COLUMNS=$c \"$REPOSE\" calibrate --help; done "
+              ">wanted; cmp said wanted >out");
 }
 
 /* Where help says an order, it is that of the output. */
@@ -554,8 +544,7 @@ static void row_is(const char *const cells[8])
         const bool same = json_is_number(value)
                               ? *cells[i] && !*end && json_number_value(value) == number
                               : json_is_string(value) && strcmp(json_string_value(value), cells[i]) == 0;
-        if (!same) fprintf(stderr, "params --json: row %zu, %s: expected %s\n", row_now, names[i], cells[i]);
-        CU_ASSERT(same);
+        CHECK_OR_SAY(same, "params --json: row %zu, %s: expected %s", row_now, names[i], cells[i]);
     }
 }
 

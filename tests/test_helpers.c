@@ -105,15 +105,14 @@ static void bad_cases(void)
 /* Every case counts at full size. The tests run a second time with --full, this one alone. */
 static void test_stride(void)
 {
-    char program[256] = "", line[320];
+    char program[256] = "";
     if (check_full()) {
         CU_ASSERT_EQUAL(case_stride(7), 1);
         return;
     }
     CU_ASSERT_EQUAL(case_stride(7), check_fast() ? 35 : 7);
     CU_ASSERT_FATAL(readlink("/proc/self/exe", program, sizeof program - 1) > 0);
-    snprintf(line, sizeof line, "\"%s\" --full --test stride helpers >/dev/null 2>&1", program);
-    CU_ASSERT_EQUAL(system(line), 0);
+    SHELL(check_text("\"%s\" --full --test stride helpers >/dev/null 2>&1", program));
 }
 
 static void no_case(void)
@@ -158,7 +157,7 @@ static void test_case_tables(void)
         return;
     }
     CU_ASSERT_FATAL(readlink("/proc/self/exe", program, sizeof program - 1) > 0);
-    CU_ASSERT_EQUAL(shell_line("\"%s\" --full -o . --test 'case tables' helpers >out 2>err", program), 0);
+    CU_ASSERT(shell_line("\"%s\" --full -o . --test 'case tables' helpers >out 2>err", program) == 0);
     scoped_table t = read_table("made/made.tsv"), cases = read_table("made/cases.tsv");
     CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "source_impact"), "equation (1)");
     CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "bound_impact"), "order 2");
@@ -302,8 +301,7 @@ static void collapsing_pile(void)
     RP_ENDS(solved_pile_free) solved_pile pile = solved_pile_make(7, 60.0, 0.1, 1);
 }
 
-/* Close-packed disks of unit diameter on the ground, a part of 1e-13 lower, each with its two neighbours of
- * the row below. */
+/* Close-packed disks of unit diameter on the ground, a part of 1e-13 lower, each on two of the row below. */
 static void check_lattice(const solved_pile *pile)
 {
     size_t ground = 0, pairs = 0;
@@ -361,14 +359,11 @@ static void test_solved_pile(void)
 /* The program names the commit that it was built from, as the build noted it beside the program. */
 static void test_commit(void)
 {
-    char line[256] = "", commit[128] = "";
     SHELL("cat \"$(dirname \"$REPOSE\")/commit\" >out 2>err");
-    snprintf(commit, sizeof commit, "%.*s", (int)strcspn(out, "\n"), out);
+    const char *commit = check_text("%.*s", (int)strcspn(out, "\n"), out);
     CU_ASSERT(*commit != 0);
     CU_ASSERT_STRING_EQUAL(rp_build_commit, commit);
-    GOOD("lattice --layers 2");
-    snprintf(line, sizeof line, "commit %s", commit);
-    CU_ASSERT_PTR_NOT_NULL(strstr(out, line));
+    PRINTS(check_text("commit %s", commit), "lattice --layers 2");
 }
 
 /* A commit is named as such only where the files are its own; what a study has written is none of them. */
@@ -385,7 +380,7 @@ static void test_dirty_commit(void)
     char source[PATH_MAX];
     CU_ASSERT_PTR_NOT_NULL_FATAL(getcwd(source, sizeof source));
     setenv("REPOSE_SOURCE", source, 1);
-    CU_ASSERT_EQUAL(shell(script), 0);
+    SHELL(script);
 }
 
 CHECK_SUITE_WITHIN(helpers, "helpers", enter, leave, test_check, test_cases, test_stride, test_case_tables,

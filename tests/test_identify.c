@@ -141,8 +141,7 @@ static void test_three(void)
     planted(3);
 }
 
-/* A number that rises and falls: two values give it, each with its interval; near the top one does, and
- * above it none. */
+/* A number that rises and falls: two values give it, each with its interval; near the top one, above none. */
 static void test_arch(void)
 {
     scoped_stand_in s = {.n_names = 1, .n_numbers = 1, .arch = true, .scatter = {0.5}};

@@ -6,37 +6,27 @@
 #include "core/version.h"
 #include "tests/program.h"
 
-#define PASSES(...) CU_ASSERT(passes(__VA_ARGS__))
-
 /* An example prints what the program computes by the same operations, but for constants such as pi/6. */
 #define SAME 1e-12
 
-/* Run a line of shell in the folder of the test: $PREFIX is the tree, $SOURCE the source. */
+/* A line of shell in the folder of the test: $PREFIX is the tree, $SOURCE the source. */
+#define PASSES(text) CHECK_OR_SAY(line_of(text) == 0, "%s\n%s%s", text, out, err)
 static int line_of(const char *text)
 {
     return shell_line("exec >out 2>err; export PKG_CONFIG_PATH=$PREFIX/lib/pkgconfig; %s", text);
 }
 
-static bool passes(const char *text)
-{
-    const int status = line_of(text);
-    if (status) fprintf(stderr, "%s: exit status %d\n%s%s", text, status, out, err);
-    return status == 0;
-}
-
 /* The tree is installed in one folder and used in another. */
 static void install_program(void)
 {
-    char source[PATH_MAX], build[PATH_MAX], prefix[300], name[256];
+    char source[PATH_MAX], build[PATH_MAX];
     const char *given = getenv("RP_INSTALLED"), *program = getenv("REPOSE");
     CU_ASSERT_FATAL(realpath(".", source) && realpath(program ? program : "build/repose", build));
     *strrchr(build, '/') = '\0';
     unsetenv("REPOSE_DATA");
-    path_of("moved", name);
-    snprintf(prefix, sizeof prefix, "%s", given ? given : name);
     setenv("SOURCE", source, 1);
     setenv("BUILD", build, 1);
-    setenv("PREFIX", prefix, 1);
+    setenv("PREFIX", given ? given : path_of("moved"), 1);
     setenv("SANITIZE", check_fast() ? "-fsanitize=address,undefined -no-pie" : "", 1);
     if (!given)
         PASSES("to=$PWD; cd $SOURCE && sh install.sh $BUILD $to/first " RP_VERSION
@@ -52,8 +42,7 @@ static void test_targets(void)
     CU_ASSERT(strstr(out, "\"/d/p\" " RP_VERSION " sweep exp analytic dem statics angle stress stats core") !=
               NULL);
     if (!getenv("RP_INSTALLED")) {
-        /* what a person has put among the files stays, a folder that is a link too; a name that is not plain
-         * is one folder */
+        /* what a person put among the files stays, a folder that is a link too; an odd name is one folder */
         PASSES(
             "mkdir -p t && echo mine >t/mine && umask 077 && to=\"$PWD/t \xc3\xbc, it's\" && "
             "mkdir \"$to\" real && ln -s ../real \"$to/bin\" && cd $SOURCE && "
@@ -92,11 +81,8 @@ static void test_data(void)
 /* A sweep of so many runs under a name of the program's own sweeps. */
 static void write_sweep(const char *folder, int replicas)
 {
-    char name[128];
-    CU_ASSERT(snprintf(name, sizeof name, "mkdir -p %s/sweeps/studies >out 2>err", folder) > 0 &&
-              shell(name) == 0);
-    snprintf(name, sizeof name, "%s/sweeps/studies/calibrate.cfg", folder);
-    write_text(name,
+    SHELL(check_text("mkdir -p %s/sweeps/studies >out 2>err", folder));
+    write_text(check_text("%s/sweeps/studies/calibrate.cfg", folder),
                "protocol = \"repose\"; replicas = %d; seed = 7;\n"
                "fixed = { W = 2.0; H = 2.0; stop = \"steps\"; fill_steps = 2500; relax_steps = 1500; };\n"
                "grid = { mu = [0.1, 0.2, 0.3, 0.4]; };\n",
@@ -107,12 +93,9 @@ static void write_sweep(const char *folder, int replicas)
 static int planned(const char *program)
 {
     int runs = -1;
-    char text[256];
-    snprintf(
-        text, sizeof text,
+    PASSES(check_text(
         "rm -rf d; %s sweep plan sweeps/studies/calibrate.cfg -o d | sed 's/.*: \\([0-9]*\\) runs.*/\\1/'",
-        program);
-    PASSES(text);
+        program));
     CU_ASSERT(sscanf(out, "%d", &runs) == 1);
     return runs;
 }
@@ -216,7 +199,6 @@ static void test_examples(void)
 /* Each option of a command in the completion. */
 static void check_options(const cli_command *c, const char *completion)
 {
-    char text[256];
     RP_SCOPE(arena);
     cli_call call = {.arena = &arena, .program = &cli_repose};
     if (c->group) {
@@ -224,15 +206,12 @@ static void check_options(const cli_command *c, const char *completion)
         return;
     }
     cli_options_of(&call, c);
-    snprintf(text, sizeof text, "    '%s '*) words='", c->name);
-    const char *words = strstr(completion, text);
+    const char *words = strstr(completion, check_text("    '%s '*) words='", c->name));
     CU_ASSERT_PTR_NOT_NULL_FATAL(words);
     for (const rp_param *p = call.options; p->name; p++) {
-        snprintf(text, sizeof text, "%s%s ", strlen(p->name) == 1 ? "-" : "--", p->name);
+        const char *text = check_text("%s%s ", strlen(p->name) == 1 ? "-" : "--", p->name);
         const char *at = strstr(words, text);
-        const bool there = at && at < strchr(words, '\n');
-        if (!there) fprintf(stderr, "%s: not in the completion of %s\n", text, c->name);
-        CU_ASSERT(there);
+        CHECK_OR_SAY(at && at < strchr(words, '\n'), "%s: not in the completion of %s", text, c->name);
     }
 }
 

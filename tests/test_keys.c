@@ -1,7 +1,6 @@
 /* Every key of a scene file and of a protocol matters: changing it changes the result of some run below. So
  * does every word of a key that takes words. A key that is read and then ignored fails here, and a new key
  * without a run that it changes as well. Keys that change no result by design are listed, with the reason. */
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/protocol.h"
 
@@ -157,12 +156,8 @@ static bool scene_changes(size_t scene, const char *base, const char *path, cons
 static void check_scene_key(char *const bases[], const char *group, const rp_param *p)
 {
     const bool list = strcmp(group, "walls") == 0 || strcmp(group, "particles") == 0;
-    char path[96];
-    snprintf(path, sizeof path,
-             strcmp(group, "scene") == 0 ? "%.0s%s"
-             : list                      ? "%s.[0].%s"
-                                         : "%s.%s",
-             group, p->name);
+    const char *form = strcmp(group, "scene") == 0 ? "%.0s%s" : list ? "%s.[0].%s" : "%s.%s";
+    scoped char *path = strdup(check_text(form, group, p->name));
     const candidates c = find_candidates(p, p->fallback ? p->fallback : "");
     const bool words = p->type == RP_CHOICE;
     size_t matter = 0;
@@ -174,8 +169,7 @@ static void check_scene_key(char *const bases[], const char *group, const rp_par
     }
     /* one word may be that of every scene; the others then differ from it */
     const bool good = words ? matter + 1 >= c.n : matter > 0;
-    if (!good) fprintf(stderr, "%s.%s: %zu of %zu values change a scene\n", group, p->name, matter, c.n);
-    CU_ASSERT(good);
+    CHECK_OR_SAY(good, "%s.%s: %zu of %zu values change a scene", group, p->name, matter, c.n);
 }
 
 static void test_scene_keys(void)
@@ -295,9 +289,8 @@ static void check_protocol(const sweep_protocol *protocol)
         if (!params) fprintf(stderr, "%s: %s\n", runs[r].settings, rp_message());
         CU_ASSERT_PTR_NOT_NULL_FATAL(params);
         CU_ASSERT(result_of(protocol, params, &bases[r]));
-        const bool result = strncmp(bases[r].status, "ok", 2) == 0 || runs[r].key;
-        if (!result) fprintf(stderr, "%s: %s\n", runs[r].settings, bases[r].status);
-        CU_ASSERT(result);
+        CHECK_OR_SAY(strncmp(bases[r].status, "ok", 2) == 0 || runs[r].key, "%s: %s", runs[r].settings,
+                     bases[r].status);
     }
     /* under the sanitizers every eighth key */
     for (const rp_param *p = protocol->schema; p->name; p++)

@@ -5,7 +5,6 @@
 #include "dem/setup/definition.h"
 #include "dem/law/law.h"
 #include "dem/state/state.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 
 /* ---- Kernels ---- */
@@ -31,9 +30,8 @@ static void each_kernel(dem_definition *def, long steps)
     GRAINS_EACH_KERNEL (kernel, DEM_BASELINE) {
         def->kernel = kernel;
         scoped_sim *sim = grains_after(def, steps);
-        const bool same = grains_same_bits(sim, reference);
-        if (!same) fprintf(stderr, "other bits than the reference: %s\n", dem_kernel_name(sim));
-        CU_ASSERT(same);
+        CHECK_OR_SAY(grains_same_bits(sim, reference), "other bits than the reference: %s",
+                     dem_kernel_name(sim));
         check_name(def, dem_kernel_name(sim));
     }
 }

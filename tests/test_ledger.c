@@ -1,7 +1,6 @@
 /* The energy ledger: it closes, agrees with closed forms, and changes no trajectory. */
 #include "dem/setup/definition.h"
 #include "dem/state/method.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 
 /* Sums of some 1e6 numbers, each rounded to 1e-16 of its terms. */
@@ -268,9 +267,8 @@ static void implicit_box(void)
     }
 }
 
-/* Undamped impacts of the implicit scheme conserve energy up to the solver's residual: two grains, and a
- * grain that bounces on a floor, with steps of any fraction of a contact time. With damping, its channel has
- * the whole loss. */
+/* Undamped impacts of the implicit scheme conserve energy to the solver's residual: two grains, and one on a
+ * floor, with steps of any fraction of a contact time. The channel of damping has its whole loss. */
 static void implicit_conserves(void)
 {
     for (int law = 0; law < DEM_NORMAL_N; law++)

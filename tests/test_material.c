@@ -1,7 +1,6 @@
 /* Elastic spheres by their material: Hertz, Mindlin. */
 #include "dem/law/law.h"
 #include "dem/state/state.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/numbers.h"
 
@@ -190,9 +189,8 @@ static void ledger_closes(void)
     for (int model = DEM_ROLL_SPRING; model <= DEM_ROLL_VISCOUS; model++) close_ledger((dem_rolling)model);
 }
 
-/* A sphere rolls on a floor: the constant model takes mu g/(1 + I/(m r^2)) of its speed a second and then
- * holds it, the viscous one a part mu g/(1 + I/(m r^2)) of it; as the spring does, but for its own stretch.
- */
+/* A sphere rolls on a floor: the constant model takes mu g/(1 + I/(m r^2)) of its speed a second, then holds
+ * it, the viscous one a part mu g/(1 + I/(m r^2)) of it; so does the spring, but for its stretch. */
 static void rolling_models(void)
 {
     static const char *const models[] = {"spring", "constant", "viscous"};

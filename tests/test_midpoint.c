@@ -1,6 +1,5 @@
 /* The energy-conserving implicit integrator: against closed forms of the mid-point rule, conservation laws,
  * and direct solver against SOR sweeps. Lengths in diameters, masses in those of a disk. */
-#include "tests/check.h"
 #include "tests/grains.h"
 
 static const double R = 0.5, K = 1e4;

@@ -3,7 +3,6 @@
 #include "dem/setup/definition.h"
 #include "dem/state/method.h"
 #include "dem/state/state.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 
 static const double R = 0.1, M = 0.0042; /* of a single grain */
@@ -117,8 +116,7 @@ static void matches_naive_program(void)
             CHECK_OK(dem_run(sim, steps - dem_step(sim)));
             (def.integrator == DEM_GEAR5 ? naive_gear : naive_verlet)(&p, x, v, steps);
             dem_state s = grains_state_of_one(sim);
-            /* round-off of sums of `steps` terms, some eps each; bounces make more of it where a floor turns
-             */
+            /* round-off of sums of `steps` terms, some eps each; more in bounces where a floor turns */
             const double tolerance = rate == 0.0 ? 1e-12 : 1e-10;
             CHECK_PAIRS(tolerance, {s.x, x[0]}, {s.y, x[1]});
             CHECK_PAIRS(1e3 * tolerance, {s.vx, v[0]}, {s.vy, v[1]});
@@ -428,9 +426,8 @@ static void rolls_with_box(void)
     CHECK_NEAR(grains_state_of_one(sim).omega, -rate / def.dt, 1e-6 * rate / def.dt);
 }
 
-/* A rough floor of overlapping fixed grains below the floor's line. While a box empties over it, the grains
- * of the floor stay fixed, without contacts to one another or to walls, and other grains are removed and
- * sorted. */
+/* A rough floor of overlapping fixed grains below the floor's line. While a box empties over it, its grains
+ * stay fixed, without contacts to one another or to walls, and others are removed and sorted. */
 static void fixed_stay(void)
 {
     enum { N = 60, FIXED = 18 };

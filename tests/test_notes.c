@@ -1,7 +1,5 @@
 /* Numbers in the lines above a table, `# key: ...`: each is computed a second time, from the table's own
  * rows, from what was written into its input, or by the library. */
-#include <gsl/gsl_math.h>
-#include <stdarg.h>
 
 #include "core/clock.h"
 #include "sweeps/protocols/pile.h"
@@ -18,15 +16,9 @@ static const char *note(const rp_table *t, const char *key)
 }
 
 /* The note is this text. */
-static void check_note(const rp_table *t, const char *key, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-static void check_note(const rp_table *t, const char *key, const char *format, ...)
+#define check_note(t, key, ...) note_is(t, key, check_text(__VA_ARGS__))
+static void note_is(const rp_table *t, const char *key, const char *expected)
 {
-    char expected[512];
-    va_list list;
-    va_start(list, format);
-    vsnprintf(expected, sizeof expected, format, list);
-    va_end(list);
     const char *found = note(t, key);
     if (strcmp(found, expected) != 0) fprintf(stderr, "%s: %s\nexpected: %s\n", key, found, expected);
     CU_ASSERT_STRING_EQUAL(found, expected);
@@ -35,15 +27,6 @@ static void check_note(const rp_table *t, const char *key, const char *format, .
 /* ---- rows used and left out ---- */
 
 /* Of 14 rows five serve, one has no result, two have nan; three lie below x = 1, three above 5. */
-static void write_rows(void)
-{
-    write_text(
-        "t.tsv",
-        "x\ty\tpart\tstatus\n1\t2.1\t1\tok\n2\t3.9\t1\tok\n3\t6.2\t2\tok\n4\t7.9\t2\tok\n5\t10.3\t2\tok\n"
-        "2\t7\t1\tno_pile\n3\tnan\t1\tok\n4\tnan\t2\tok\n"
-        "0.1\t1\t1\tok\n0.2\t1\t1\tok\n0.3\t1\t2\tok\n6\t1\t1\tok\n7\t1\t1\tok\n8\t1\t2\tok\n");
-}
-
 static void test_rows(void)
 {
     static const struct {
@@ -55,7 +38,11 @@ static void test_rows(void)
         {"stats trend t.tsv -x x -y y --from 1 --to 5",
          "5 used, 1 without result, 2 with nan, 6 outside the range of x"},
         {"stats correlation t.tsv -x x -y y", "11 used, 1 without result, 2 with nan"}};
-    write_rows();
+    write_text(
+        "t.tsv",
+        "x\ty\tpart\tstatus\n1\t2.1\t1\tok\n2\t3.9\t1\tok\n3\t6.2\t2\tok\n4\t7.9\t2\tok\n5\t10.3\t2\tok\n"
+        "2\t7\t1\tno_pile\n3\tnan\t1\tok\n4\tnan\t2\tok\n"
+        "0.1\t1\t1\tok\n0.2\t1\t1\tok\n0.3\t1\t2\tok\n6\t1\t1\tok\n7\t1\t1\tok\n8\t1\t2\tok\n");
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         run("%s", cases[k].command);
         scoped_table t = read_table("out");
@@ -236,16 +223,10 @@ static void test_terminal(void)
     if (shell("script -qec true typed </dev/null >out 2>err") != 0) {
         fprintf(stderr, "notes: no terminal of script(1): progress of a pile is not tested\n");
     } else {
-        CU_ASSERT_EQUAL(
-            shell(
-                "export REPOSE; script -qec '$REPOSE pile --base 4 --eps 1e-3 >rows' typed </dev/null >out"),
-            0);
+        SHELL("export REPOSE; script -qec '$REPOSE pile --base 4 --eps 1e-3 >rows' typed </dev/null >out");
         CU_ASSERT_STRING_EQUAL(out, "\r\033[K");
-        CU_ASSERT_EQUAL(
-            shell(
-                "$REPOSE pile --base 4 --eps 1e-3 >out 2>err && grep -v '^#' out >plain; grep -v '^#' rows | "
-                "cmp - plain >out"),
-            0);
+        SHELL("$REPOSE pile --base 4 --eps 1e-3 >out 2>err && grep -v '^#' out >plain; grep -v '^#' rows | "
+              "cmp - plain >out");
         CU_ASSERT_STRING_EQUAL(err, "");
     }
 }

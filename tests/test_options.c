@@ -242,10 +242,8 @@ static void check_line(size_t i)
     for (char change[128]; check_word(&rest, "|", change);) {
         if (check_fast() && *rest && strlen(rest + 1) % 4) continue; /* a few, with sanitizers */
         scoped char *now = rows_of(lines[i].command, lines[i].base, change);
-        const bool differs = now && strcmp(now, base) != 0;
-        if (!differs)
-            fprintf(stderr, "repose %s %s: %s changes nothing\n", lines[i].command, lines[i].base, change);
-        CU_ASSERT(differs);
+        CHECK_OR_SAY(now && strcmp(now, base) != 0, "repose %s %s: %s changes nothing", lines[i].command,
+                     lines[i].base, change);
     }
 }
 
@@ -273,8 +271,7 @@ static void check_covered(const char *command)
         for (size_t i = 0; i < sizeof exceptions / sizeof *exceptions; i++)
             covered |=
                 strcmp(exceptions[i].command, command) == 0 && strcmp(exceptions[i].option, option) == 0;
-        if (!covered) fprintf(stderr, "repose %s: no line changes %s\n", command, option);
-        CU_ASSERT(covered);
+        CHECK_OR_SAY(covered, "repose %s: no line changes %s", command, option);
     }
     free(text);
 }
@@ -307,8 +304,7 @@ static void check_json(const char *command, const char *base)
     for (size_t i = 0; same && i < t.n_rows * t.n_columns; i++)
         same = same_value(t.cells[i],
                           json_object_get(json_array_get(rows, i / t.n_columns), t.names[i % t.n_columns]));
-    if (!same) fprintf(stderr, "repose %s %s --json: another table\n", command, base);
-    CU_ASSERT(same);
+    CHECK_OR_SAY(same, "repose %s %s --json: another table", command, base);
     json_decref(all);
 }
 
@@ -328,8 +324,7 @@ static void check_params(const char *command)
                    *unit = json_string_value(json_object_get(row, "unit"));
         const bool same = row && !strcmp(json_string_value(json_object_get(row, "name")), name) && unit &&
                           strstr(line, unit) && meaning && strstr(line, meaning);
-        if (!same) fprintf(stderr, "repose %s --json: row %zu is not %s\n", command, n, line);
-        CU_ASSERT(same);
+        CHECK_OR_SAY(same, "repose %s --json: row %zu is not %s", command, n, line);
     }
     CU_ASSERT(n > 20 && n == json_array_size(rows));
     json_decref(all);
@@ -367,10 +362,9 @@ static void test_options(void)
 /* Append to a table rows whose status is not ok, with numbers that would change any result. */
 static void add_failed(const char *name, const char *status)
 {
-    char path[256], copy[64];
+    char copy[64];
     scoped_table t = read_table(name);
-    path_of(name, path);
-    FILE *file = fopen(path, "a");
+    FILE *file = fopen(path_of(name), "a");
     CU_ASSERT_PTR_NOT_NULL_FATAL(file);
     for (size_t row = 0; row < 2; row++)
         for (size_t c = 0; c < t.n_columns; c++) {
@@ -410,9 +404,8 @@ static void test_failed_runs(void)
         scoped char *after = rows_of(commands[i], "", "");
         if (before[i]) drop_failed(before[i]);
         if (after) drop_failed(after);
-        const bool same = before[i] && after && strcmp(before[i], after) == 0;
-        if (!same) fprintf(stderr, "repose %s: counts runs without a result\n", commands[i]);
-        CU_ASSERT(same);
+        CHECK_OR_SAY(before[i] && after && strcmp(before[i], after) == 0,
+                     "repose %s: counts runs without a result", commands[i]);
         free(before[i]);
     }
 }

@@ -90,8 +90,7 @@ static void dip_closed_forms(void)
         const double w = 2 * rest / (1 + sqrt(1 + s * rest));
         CHECK_NEAR(heaped(K, s, 1), -0.15 * s * w / (1 + s * w / 4), TOLERANCE(s, K));
     }
-    /* 1 + s u^2: w + s w^3/12 = 0.98 (1 + s/12) by Newton's method; means 1 + s w^2 times 0.01/3, 0.13/3,
-     * 1/12 */
+    /* 1 + s u^2: w + s w^3/12 = 0.98 (1 + s/12) by Newton; means 1 + s w^2 times 0.01/3, 0.13/3, 1/12 */
     const double s = 3.1;
     double w = 1;
     for (int i = 0; i < 20; i++) w -= (w + s * w * w * w / 12 - 0.98 * (1 + s / 12)) / (1 + s * w * w / 4);
@@ -125,8 +124,7 @@ static void dips_of_a_wedge(void)
 /* ---- rays under an outline ---- */
 
 /* Highest points at the middles of columns, along the tent, or for a continuum slope the triangle. The
- * polygon is cut at the ends and at the top by half a column at most: heights differ there by 0.5 tan 45
- * degrees of 30, 2 %. */
+ * polygon is cut at ends and top by up to half a column: heights differ by 0.5 tan 45 degrees of 30, 2 %. */
 static void rays_under_outlines(void)
 {
     enum { COLUMNS = 120, AT = 7, POINTS = 10 };
@@ -528,9 +526,7 @@ static void solver_choices(void)
     const double eps_c = output(&r, "eps_c");
     CU_ASSERT_STRING_EQUAL(r.status, "ok");
     for (int above = 0; above < 2; above++) {
-        char eps[64];
-        snprintf(eps, sizeof eps, "eps=%.17g", eps_c * (above ? 1.001 : 0.999));
-        CHECK_OK(RUN(0, &other, "base=12", eps));
+        CHECK_OK(RUN(0, &other, "base=12", check_text("eps=%.17g", eps_c * (above ? 1.001 : 0.999))));
         CU_ASSERT((output(&other, "negative_modes") > 0) == (above == 1));
     }
     CHECK_OK(RUN(0, &r, "base=24", "eps=1e-3", "branch=minimum", "leave=2"));

@@ -4,7 +4,6 @@
 #include <glob.h>
 
 #include "tests/protocol.h"
-#include "tests/folder.h"
 #include "tests/program.h"
 
 enum { MOST_TEXT = 1 << 16, MOST_WORDS = 24 };

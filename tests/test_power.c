@@ -16,7 +16,6 @@
 #include "core/random.h"
 #include "core/file.h"
 #include "tests/faults.h"
-#include "tests/folder.h"
 #include "tests/noise.h"
 #include "tests/program.h"
 #include "tests/protocol.h"
@@ -501,10 +500,9 @@ static void make_case(const char *name, const char *from)
  * part of it, or of the new one; never of both. The same command, or --resume, ends with the new one. */
 static void replace_result(const char *options)
 {
-    char old[256], new[256];
     int n, n_new, kills = 0;
-    snprintf(old, sizeof old, "run %s --every 2 -o d", options);
-    snprintf(new, sizeof new, "run %s --every 1 -o d --force", options);
+    scoped char *old = strdup(check_text("run %s --every 2 -o d", options)),
+                *new = strdup(check_text("run %s --every 1 -o d --force", options));
     make_case("old", "start");
     CU_ASSERT(run_in("old", old, 0) == 0);
     make_case("new", "start");

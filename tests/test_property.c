@@ -5,7 +5,6 @@
 #include "angle/angle.h"
 #include "statics/equilibrium.h"
 #include "dem/law/bodies.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/property.h"
 
@@ -211,8 +210,7 @@ static void a_pile(const double v[], double step, double margin, points *p)
     }
 }
 
-/* Slopes of q over those of p, where q is the mirror image: in units of 1e-9, or, of `errors`, of two errors
- * or 0.2 degrees. */
+/* Slopes of q, a mirror image, over those of p: in units of 1e-9, or, of `errors`, two errors or 0.2 deg. */
 static double differ(const points *p, const points *q, bool mirror, bool errors)
 {
     ang_pile a, b;

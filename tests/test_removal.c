@@ -1,6 +1,5 @@
 /* Grains that leave the scene: in a large pile, where gaps are closed later, with the bits of a small one. */
 #include "dem/list/list.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 
 /* The grains in the same order, and the same pairs in the same order. */

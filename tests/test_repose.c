@@ -65,8 +65,7 @@ static void check_halves(const grains *g, int cells, const sweep_result *result)
 }
 
 /* In a triangular lattice every grain has order 1; a line of three has it in the middle, and ends with one
- * neighbour do not count. At 1.24 diameters a grain is a neighbour, at 1.26 it is none, nor is a fixed one.
- */
+ * neighbour do not count. At 1.24 diameters a grain is a neighbour, at 1.26 or fixed it is none. */
 static void test_bond_order(void)
 {
     dem_state g[7] = {{.r = 1.0}};
@@ -246,8 +245,7 @@ static void test_names(void)
             const rp_status status = rp_params_set_text(p, params, word);
             matters += status || !protocol->hash(params, NULL, &hash[1]) || !XXH128_isEqual(hash[0], hash[1]);
         }
-        if (!matters) fprintf(stderr, "repose: %s changes nothing\n", p->name);
-        CU_ASSERT(matters > 0);
+        CHECK_OR_SAY(matters > 0, "repose: %s changes nothing", p->name);
     }
 }
 
@@ -284,9 +282,8 @@ static void test_ramp_where_soft(void)
     }
 }
 
-/* A grain at rest in the laboratory, seen from a rotating box: its velocity is the angular velocity times its
- * distance from the origin, it spins, and after a quarter turn clockwise its position has x and y exchanged.
- */
+/* A grain at rest in the laboratory, seen from a rotating box: its velocity is the angular velocity times the
+ * distance from the origin, it spins, and a quarter turn clockwise exchanges x and y. */
 static void test_rest_in_turning_box(void)
 {
     const dem_grain grain = {.x = 0.3, .y = 1.5, .r = 0.1, .m = 2.0};
@@ -313,11 +310,9 @@ static void test_rest_in_turning_box(void)
 /* Contacts per grain with 0 < x < W, from the tables of a stage; number of these grains. */
 static double contact_number(const char *stage, double W, size_t *n_pile)
 {
-    char file[2][64];
     double count = 0.0;
-    snprintf(file[0], sizeof file[0], "t/%s_grains.tsv", stage);
-    snprintf(file[1], sizeof file[1], "t/%s_contacts.tsv", stage);
-    scoped_table all = read_table(file[0]), contacts = read_table(file[1]);
+    scoped_table all = read_table(check_text("t/%s_grains.tsv", stage)),
+                 contacts = read_table(check_text("t/%s_contacts.tsv", stage));
     *n_pile = 0;
     for (size_t i = 0; i < all.n_rows; i++) {
         const double x = cell(&all, i, "x"), id = cell(&all, i, "id");
@@ -561,8 +556,7 @@ static void test_patience(void)
     }
 }
 
-/* Grains fill a box from twice its height: the time step allows for a fall through that, of two grains of the
- * smallest radius. */
+/* Grains fill a box from twice its height: the time step allows for such a fall of two smallest ones. */
 static void test_limit_of_step(void)
 {
     static const sweep_protocol *const filled[] = {&sweep_protocol_repose, &sweep_protocol_stress,

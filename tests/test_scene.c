@@ -1,6 +1,5 @@
 /* Scene files: contents, refused input, and written scenes that read back to the same bits. */
 #include "dem/state/state.h"
-#include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/grains.h"
 

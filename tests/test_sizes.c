@@ -2,7 +2,6 @@
 #include <gsl/gsl_randist.h>
 
 #include "dem/state/state.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/numbers.h"
 #include "tests/property.h"

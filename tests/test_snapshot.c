@@ -17,7 +17,6 @@
 #include "core/snapshot.h"
 #include "sweeps/engine/keep.h"
 #include "tests/faults.h"
-#include "tests/folder.h"
 #include "tests/grains.h"
 #include "tests/program.h"
 #include "tests/protocol.h"
@@ -207,13 +206,6 @@ static void large_pile(void)
 
 /* ---- Files ---- */
 
-static const char *in_folder(const char *name)
-{
-    static char path[256];
-    path_of(name, path);
-    return path;
-}
-
 /* Write the state of a small scene to the file s; its simulation. */
 static dem_sim *write_small(long steps)
 {
@@ -223,7 +215,7 @@ static dem_sim *write_small(long steps)
     advance(sim, steps);
     RP_ENDS(rp_snapshot_free) rp_snapshot s = {0};
     dem_keep(&s, &sim);
-    CHECK_OK(rp_snapshot_write(&s, in_folder("s"), "test", dem_keep_layout()));
+    CHECK_OK(rp_snapshot_write(&s, path_of("s"), "test", dem_keep_layout()));
     return sim;
 }
 
@@ -231,7 +223,7 @@ static dem_sim *write_small(long steps)
 static rp_status read_small(const char *owner, uint64_t layout, dem_sim **sim)
 {
     RP_ENDS(rp_snapshot_free) rp_snapshot s;
-    rp_status status = rp_snapshot_read(&s, in_folder("s"), owner, layout);
+    rp_status status = rp_snapshot_read(&s, path_of("s"), owner, layout);
     *sim = NULL;
     if (!status) {
         dem_keep(&s, sim);
@@ -245,7 +237,7 @@ static void refused(const char *text)
     dem_sim *sim;
     CHECK_FAILS(read_small("test", dem_keep_layout(), &sim), RP_BAD_INPUT, text);
     CU_ASSERT_PTR_NULL(sim);
-    CU_ASSERT(strstr(rp_message(), in_folder("s")) != NULL); /* which file */
+    CU_ASSERT(strstr(rp_message(), path_of("s")) != NULL); /* which file */
 }
 
 /* Where numbers of the head are; its size. */
@@ -264,12 +256,12 @@ static void damaged_files(void)
 {
     scoped_sim *sim = write_small(50), *copy = NULL;
     size_t n;
-    scoped unsigned char *bytes = file_read(in_folder("s"), &n);
+    scoped unsigned char *bytes = file_read(path_of("s"), &n);
     CHECK_OK(read_small("test", dem_keep_layout(), &copy));
     CU_ASSERT(same(sim, copy));
     for (size_t k = 0; k < n; k += k < HEAD + 20 || k > n - 20 ? 1 : 50) {
         bytes[k] ^= 0x10;
-        file_write(in_folder("s"), bytes, n);
+        file_write(path_of("s"), bytes, n);
         refused(k < AT_FORMAT       ? "not a snapshot of repose"
                 : k < AT_MODEL      ? "format version"
                 : k >= 32 && k < 40 ? " expected"
@@ -278,18 +270,18 @@ static void damaged_files(void)
     }
     const size_t cut[] = {1, 15, 16, HEAD - 1, HEAD, HEAD + 15, HEAD + 16, n / 2, n - 16, n - 1};
     for (size_t k = 0; k < sizeof cut / sizeof *cut; k++) {
-        file_write(in_folder("s"), bytes, cut[k]);
+        file_write(path_of("s"), bytes, cut[k]);
         refused("truncated: ");
     }
-    file_write(in_folder("s"), bytes, 0);
+    file_write(path_of("s"), bytes, 0);
     refused("truncated: 0 bytes");
-    file_write(in_folder("s"), bytes, n + 1);
+    file_write(path_of("s"), bytes, n + 1);
     refused("damaged: ");
-    file_write(in_folder("s"), "gravity = ( 0.0, -981.0 );", 26);
+    file_write(path_of("s"), "gravity = ( 0.0, -981.0 );", 26);
     refused("not a snapshot of repose");
-    unlink(in_folder("s"));
+    unlink(path_of("s"));
     refused("No such file");
-    CU_ASSERT(mkdir(in_folder("s"), 0777) == 0);
+    CU_ASSERT(mkdir(path_of("s"), 0777) == 0);
     refused("not a regular file");
 }
 
@@ -300,15 +292,15 @@ static void foreign_files(void)
     CHECK_FAILS(read_small("other", dem_keep_layout(), &copy), RP_BAD_INPUT,
                 "the state of another run: \"test\", not \"other\"");
     CHECK_FAILS(read_small("test", 1, &copy), RP_BAD_INPUT, "another layout of the state");
-    unsigned char *bytes = file_read(in_folder("s"), &n), first = bytes[AT_FORMAT];
+    unsigned char *bytes = file_read(path_of("s"), &n), first = bytes[AT_FORMAT];
     bytes[AT_FORMAT] = RP_SNAPSHOT_FORMAT + 1;
     sign(bytes, n);
-    file_write(in_folder("s"), bytes, n);
+    file_write(path_of("s"), bytes, n);
     refused("format version 2; this program reads 1");
     bytes[AT_FORMAT] = first;
     bytes[AT_MODEL]--;
     sign(bytes, n);
-    file_write(in_folder("s"), bytes, n);
+    file_write(path_of("s"), bytes, n);
     refused("made by model version ");
     free(bytes), dem_free(sim);
 }
@@ -354,10 +346,10 @@ static void full_disk(void)
     dem_keep(&s, &sim);
     signal(SIGXFSZ, SIG_IGN);
     setrlimit(RLIMIT_FSIZE, &little);
-    CHECK_FAILS(rp_snapshot_write(&s, in_folder("s"), "test", dem_keep_layout()), RP_IO,
+    CHECK_FAILS(rp_snapshot_write(&s, path_of("s"), "test", dem_keep_layout()), RP_IO,
                 "cannot write: File too large");
     setrlimit(RLIMIT_FSIZE, &all);
-    CHECK_FAILS(rp_snapshot_write(&s, in_folder("none/s"), "test", dem_keep_layout()), RP_IO, "No such file");
+    CHECK_FAILS(rp_snapshot_write(&s, path_of("none/s"), "test", dem_keep_layout()), RP_IO, "No such file");
     CHECK_OK(read_small("test", dem_keep_layout(), &copy));
     CU_ASSERT(dem_step(copy) == 20);
     SHELL("test \"$(ls -I out -I err)\" = s");
@@ -378,7 +370,7 @@ static void write_scene(void)
                                 "  { point = [2.0, 0.0]; direction = [-1.0, 0.0]; extent = [0.0, 9.0]; "
                                 "open_at_step = 900; open_speed = 50.0; } );\n"
                                 "fill = { N = 40; W = 2.0; H = 2.0; seed = 3; };\n";
-    file_write(in_folder("s.cfg"), scene, sizeof scene - 1);
+    file_write(path_of("s.cfg"), scene, sizeof scene - 1);
 }
 
 #define RUN   "run s.cfg --every 70 -o d --dump xyz --snapshot "
@@ -478,7 +470,7 @@ static void refused_resumes(void)
     FAILS(64, "--snapshot needs -o", "run s.cfg --snapshot 5");
     FAILS(64, "give a file, or --resume DIR", "run");
     SHELL("rm -rf d && cp -r good d");
-    const int other = open(in_folder("d"), O_RDONLY | O_DIRECTORY);
+    const int other = open(path_of("d"), O_RDONLY | O_DIRECTORY);
     CU_ASSERT(flock(other, LOCK_EX) == 0);
     FAILS(74, "another process runs in this folder", "run --resume d");
     close(other);
@@ -500,7 +492,7 @@ static void refused_resumes(void)
 static void no_snapshot(void)
 {
     char why[32] = "an old reason";
-    sweep_keep keep = {.path = in_folder("none"), .key = "test", .interval = 1.0};
+    sweep_keep keep = {.path = path_of("none"), .key = "test", .interval = 1.0};
     sweep_keep_begin(&keep, why, sizeof why);
     CU_ASSERT_STRING_EQUAL(why, "");
     sweep_keep_end(&keep, true);
@@ -512,7 +504,7 @@ static int run_killed(const sweep_protocol *protocol, const void *params, double
                       sweep_result *result)
 {
     enum { MOST = 400 };
-    const char *path = check_text("%s", in_folder("snapshot"));
+    const char *path = path_of("snapshot");
     sweep_result *shared =
         mmap(NULL, sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     int status = -1, runs = 0;
@@ -550,7 +542,7 @@ static void stop_at_once(const sweep_protocol *protocol, const void *params)
     static const volatile bool stop = true;
     char why[32];
     sweep_result result;
-    const char *path = check_text("%s", in_folder("snapshot"));
+    const char *path = path_of("snapshot");
     sweep_keep keep = {.path = path, .key = "test", .interval = INFINITY, .stop = &stop};
     sweep_keep_begin(&keep, why, sizeof why);
     CU_ASSERT(protocol->run(params, 7, 1, &(sweep_tables){.keep = &keep}, &result) == RP_STOPPED);
@@ -574,10 +566,8 @@ static void goes_on(const sweep_protocol *protocol, const char *settings, const 
     for (size_t k = 0; protocol->outputs[k].name; k++) {
         const bool equal = memcmp(&whole.values[k], &parts.values[k], sizeof(double)) == 0 ||
                            (isnan(whole.values[k]) && isnan(parts.values[k]));
-        if (!equal)
-            fprintf(stderr, "%s: %s = %.17g, undisturbed %.17g\n", protocol->name, protocol->outputs[k].name,
-                    parts.values[k], whole.values[k]);
-        CU_ASSERT(equal);
+        CHECK_OR_SAY(equal, "%s: %s = %.17g, undisturbed %.17g", protocol->name, protocol->outputs[k].name,
+                     parts.values[k], whole.values[k]);
     }
 }
 
@@ -613,7 +603,7 @@ static void protocol_drop(void)
 /* Plan the same sweep in the folders `whole` and `d`. */
 static void plan_twice(int replicas)
 {
-    file_print(in_folder("s.cfg"),
+    write_text("s.cfg",
                "protocol = \"repose\"; replicas = %d; seed = 5;\n"
                "fixed = { W = 1.6; H = 1.6; }; grid = { mu = [0.1, 0.2]; };\n",
                replicas);
@@ -641,10 +631,9 @@ static char done[16];
 static void note_done(const char *call, int file, const char *from, const char *to)
 {
     struct stat info, of_folder;
-    char here[256];
     (void)from;
-    path_of(".", here);
-    const bool sync = strcmp(call, "fsync") == 0 && fstat(file, &info) == 0 && stat(here, &of_folder) == 0,
+    const bool sync = strcmp(call, "fsync") == 0 && fstat(file, &info) == 0 &&
+                      stat(path_of("."), &of_folder) == 0,
                own = sync && S_ISDIR(info.st_mode) && info.st_ino == of_folder.st_ino;
     if ((sync || to) && strlen(done) < sizeof done - 1) strcat(done, to ? "r" : own ? "d" : "f");
 }
@@ -657,7 +646,7 @@ static void synced(void)
     RP_KEEP(&s, step);
     *done = '\0';
     fault_watch = note_done;
-    CHECK_OK(rp_snapshot_write(&s, in_folder("s"), "test", 1));
+    CHECK_OK(rp_snapshot_write(&s, path_of("s"), "test", 1));
     fault_watch = NULL;
     CU_ASSERT_STRING_EQUAL(done, "frd");
 }
@@ -684,8 +673,8 @@ static bool drive_until_snapshot(int n)
         setpgid(0, 0);
         fatal_snapshot = n;
         fault_watch = kill_at_snapshot;
-        _exit((int)sweep_run(in_folder("d"), sweep_protocols,
-                             &(sweep_options){.workers = 2, .snapshot = 0.002}, &(sweep_counts){0}));
+        _exit((int)sweep_run(path_of("d"), sweep_protocols, &(sweep_options){.workers = 2, .snapshot = 0.002},
+                             &(sweep_counts){0}));
     }
     int end = 0;
     CU_ASSERT_FATAL(waitpid(child, &end, 0) == child);
@@ -743,7 +732,7 @@ static void stopped_row(void)
         "protocol = \"repose\"; fixed = { W = 1.6; H = 1.6; theta_t = true; tilt_rate_deg = 0.01; };",
         "protocol = \"drop\"; fixed = { N = 90; radius_width = 0.03; rest_force = 0.1; };"};
     for (int k = check_fast(); k < 2; k++) {
-        file_write(in_folder("r.cfg"), files[k], strlen(files[k]));
+        file_write(path_of("r.cfg"), files[k], strlen(files[k]));
         SHELL("rm -rf d whole");
         const double seconds = time_of("\"$REPOSE\" run r.cfg --row 1 -o d >row");
         SHELL("mv d whole");

@@ -2,7 +2,6 @@
  * diameters, masses in those of a disk, g = 1. */
 #include "dem/law/bodies.h"
 #include "dem/law/law.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 
 static const double R = 0.5, K = 1e3, MU_STATIC = 0.3, A = 0.02;
@@ -291,9 +290,8 @@ static void misprint_of_flight(void)
     }
 }
 
-/* Lee & Herrmann's (2b) with the numbers in its minimum rather than magnitudes, and without F_n >= 0: for a
- * displacement to the left the spring is not limited, and with an attractive normal force it drives the slip.
- */
+/* Lee & Herrmann's (2b) with the numbers in its minimum rather than magnitudes, and without F_n >= 0: to the
+ * left the spring is not limited, and with an attractive normal force it drives the slip. */
 static void misprints_of_spring(void)
 {
     const double k_s = 10.0, mu = 0.2;
@@ -310,10 +308,9 @@ static void misprints_of_spring(void)
         }
 }
 
-/* A disk dropped onto the ground, or onto a fixed disk, bounces by hard collisions. Each bounce loses the
- * fraction 1 - e^2 of its energy, to round-off, at the times v (1 + 2e + 2e^2 + ...)/g: leapfrog is exact in
- * free flight, and collision times are exact. Below the speed (22) of one step of gravity it rests at the
- * overlap m g/K. */
+/* A disk dropped onto the ground, or onto a fixed disk, bounces by hard collisions. Each bounce loses 1 - e^2
+ * of its energy, to round-off, at the times v (1 + 2e + 2e^2 + ...)/g: leapfrog is exact in free flight, and
+ * so are collision times. Below the speed (22) of a step of gravity it rests at the overlap m g/K. */
 static void switches_to_soft(void)
 {
     static const double restitution[] = {0.3, 0.6, 0.93};
@@ -629,8 +626,7 @@ static dem_sim *falling_disks(dem_definition *def)
     return grains_start(def);
 }
 
-/* Falling disks: energy never rises; a clone and every kernel give the same bits; some disks have collided,
- * some rest in wells. */
+/* Falling disks: energy never rises; clones and kernels give the same bits; some collide or rest in wells. */
 static void pile_of_disks(void)
 {
     dem_definition def;

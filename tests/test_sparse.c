@@ -145,8 +145,7 @@ static void dense(void)
     }
 }
 
-/* Without bonds the pivots are the springs themselves: the smallest, its disk, how many are negative; where
- * one is 0, that. */
+/* Without bonds the pivots are the springs: the smallest, its disk, how many are negative; one that is 0. */
 static void pivots_alone(void)
 {
     for (size_t k = 0; k < 12; k++) {

@@ -6,7 +6,6 @@
 
 #include "analytic/analytic.h"
 #include "stress/stress.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/numbers.h"
 #include "tests/protocol.h"
@@ -76,8 +75,7 @@ static void test_floor(void)
                     {f[k].through, 0.5 * through[k] / size},
                     {f[k].imbalance, f[k].n.mean - 0.5 * (weight[k] + through[k]) / size});
     }
-    /* the mean stress of both, whatever the memory held; force times branch, over cells that hold all
-     * branches */
+    /* mean stress of both, whatever the memory held; force times branch, over cells of all branches */
     const stress_grid grid = {-0.5, 0.0, 2.5, 0.5, 1, 1};
     stress_tensor mean = {1e9, NAN, 1e9, 1e9}, sum = {0};
     CHECK_OK(stress_mean_cells(2, piles, &grid, &mean));

@@ -21,7 +21,6 @@
 #include "sweeps/engine/keep.h"
 #include "sweeps/engine/private.h"
 #include "sweeps/engine/physics.h"
-#include "tests/check.h"
 #include "tests/protocol.h"
 #include "tests/folder.h"
 #include "tests/numbers.h"
@@ -844,15 +843,13 @@ static void test_left_snapshots(void)
                  {"%s0", false, "repose snapshot\n"},
                  {"%.31s", false, "repose snapshot\n"},
                  {"1%.31s", false, "notes\n"}};
-    char name[64];
     planned("replicas = 4; fixed = { mode = \"crash\"; }; piles = \"shared\";");
-    char in[128];
-    snprintf(in, sizeof in, "%s/snapshots", dir);
+    const char *in = folder_path(dir, "snapshots");
     mkdir(in, 0777);
     for (int done = 0; done < 2; done++) {
         for (int checks = 0; checks < 2; checks++) {
             for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
-                snprintf(name, sizeof name, files[i].format, key);
+                const char *name = check_text(files[i].format, key);
                 if (checks)
                     CU_ASSERT((access(folder_path(in, name), F_OK) != 0) == (done && files[i].own))
                 else
@@ -1119,13 +1116,12 @@ static void keep_both(rp_snapshot *s, void *data)
 /* A snapshot is written when it is due or asked for; a later process gets what it holds. */
 static void test_keep(void)
 {
-    char path[128], why[256];
+    char why[256];
     volatile bool stop = true;
     kept_pair now = {2.5, tmpfile()}, later = {0.0, tmpfile()};
     sweep_keep k;
     fresh("");
-    snprintf(path, sizeof path, "%s/kept", base);
-    const char *unfinished = check_text("%s.new", path);
+    const char *path = folder_path(base, "kept"), *unfinished = check_text("%s.new", path);
     fputs("two rows\n", now.table);
     begin_keep(&k, path, "run 5", why);
     CU_ASSERT(!*why);
@@ -1213,7 +1209,7 @@ static void test_digest_of_words(void)
     char digests[3][33];
     for (int k = 0; k < 3; k++) {
         fresh(SMALL_SWEEP);
-        snprintf(ending, sizeof ending, "%s", k == 0 ? "_a" : k == 1 ? "_b" : "_a");
+        strcpy(ending, k == 1 ? "_b" : "_a");
         CHECK_OK(prepare());
         CHECK_OK(run(1));
         size_t n;
@@ -1523,11 +1519,9 @@ static void test_running(void)
     CHECK_OK(sweep_status(dir, toys, &c));
     CU_ASSERT_EQUAL(c.running, 0);
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        char text[128], beat[32];
-        snprintf(beat, sizeof beat, "%ld", (long)time(NULL) - cases[k].since);
-        snprintf(text, sizeof text, "REPLACE INTO sweep VALUES ('beat', '%s', %lld)", beat,
-                 (long long)XXH3_64bits_withSeed(beat, strlen(beat), XXH3_64bits("beat", 4)));
-        sql(text);
+        const char *beat = check_text("%ld", (long)time(NULL) - cases[k].since);
+        sql(check_text("REPLACE INTO sweep VALUES ('beat', '%s', %lld)", beat,
+                       (long long)XXH3_64bits_withSeed(beat, strlen(beat), XXH3_64bits("beat", 4))));
         CHECK_OK(sweep_status(dir, toys, &c));
         CU_ASSERT_EQUAL(c.running, cases[k].running);
     }
@@ -1654,10 +1648,8 @@ static void test_fingerprint_words(void)
     trials t = {0};
     char first[33] = "", second[33] = "", word[64];
     CHECK_OK(sweep_physics_runs(note_trial, &t));
-    for (size_t i = 0; i < t.n; i++) {
-        if (!t.tried[i].differs) fprintf(stderr, "%s = %s changes no run\n", t.tried[i].key, t.tried[i].word);
-        CU_ASSERT(t.tried[i].differs);
-    }
+    for (size_t i = 0; i < t.n; i++)
+        CHECK_OR_SAY(t.tried[i].differs, "%s = %s changes no run", t.tried[i].key, t.tried[i].word);
     for (const dem_named_key *k = dem_named_keys; k->key; k++) {
         const rp_param *p = &k->param;
         const bool choice = p->type == RP_CHOICE || p->type == RP_BOOL;

@@ -148,9 +148,8 @@ static void test_tost_is_interval(void)
 enum { X = 4, PILES = 7, CASES = 1000 };
 enum { BY_X, SINGLE, PAIRED, WEIGHTED, N_KINDS };
 
-/* One planted set: a straight line of the given change over 2..8, scatter that triples from the smallest to
- * the largest x (SINGLE: the same everywhere), and, PAIRED, piles that differ by far more. `hump` is added at
- * x = 4. */
+/* One planted set: a straight line of the given change over 2..8, scatter that triples from the least to the
+ * largest x (SINGLE: it is the same), and, PAIRED, piles that differ far more. `hump` is added at x = 4. */
 static void plant(gsl_rng *rng, int kind, double change, double hump, stats_trend *t)
 {
     double x[X * PILES], y[X * PILES], pile[X * PILES];

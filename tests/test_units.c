@@ -3,7 +3,6 @@
  * length, and so exponents of lengths are multiples of 4, all others even. */
 #include "dem/setup/definition.h"
 #include "dem/state/state.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 
 typedef struct {

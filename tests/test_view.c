@@ -1,7 +1,6 @@
 /* What is seen. Pictures by their contents: an svg file has each grain, force and wall at its position, in
  * its colour and width; a gif file has every frame. */
 #include <fcntl.h>
-#include <stdarg.h>
 #include <unistd.h>
 
 #include "cli/progress.h"
@@ -202,8 +201,7 @@ static void test_segment(void)
 }
 
 /* Corners of frame number `which`, from above: least and largest x, least and largest y. A frame begins with
- * its left side, downwards, and is wider than a bar of colours; it is drawn twice, below the grains and
- * above. */
+ * its left side, downwards, is wider than a bar of colours, and is drawn below grains and above. */
 static void find_frame(size_t which, double corners[4])
 {
     size_t n = 0;
@@ -441,34 +439,19 @@ static void test_film(void)
 static char told[1 << 16];
 
 /* A program of gnuplot's name writes to a file what it is told, before the words that start the program. */
-static void tell(const char *words, ...) __attribute__((format(printf, 1, 2)));
-static void tell(const char *words, ...)
+#define tell(...) tell_words(check_text(__VA_ARGS__))
+static void tell_words(const char *words)
 {
-    char line[512] = "chmod +x gnuplot ffmpeg; PATH=.:$PATH \"$REPOSE\" view ";
-    va_list args;
     write_text("gnuplot", "#!/bin/sh\nexec cat >told\n");
     write_text("ffmpeg", "#!/bin/sh\necho \"$@\" >film\nexec cat >>film\n");
-    va_start(args, words);
-    vsnprintf(line + strlen(line), 256, words, args);
-    va_end(args);
-    const int status = shell(strcat(line, " >out 2>err"));
+    const int status =
+        shell_line("chmod +x gnuplot ffmpeg; PATH=.:$PATH \"$REPOSE\" view %s >out 2>err", words);
     if (status) fprintf(stderr, "view %s: %s", words, err);
     CU_ASSERT_FATAL(status == 0);
     slurp("told", told, sizeof told);
 }
 
-static void is_told(const char *format, ...) __attribute__((format(printf, 1, 2)));
-static void is_told(const char *format, ...)
-{
-    char text[512];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    const bool is = strstr(told, text) != NULL;
-    if (!is) fprintf(stderr, "gnuplot is not told: %s\n", text);
-    CU_ASSERT(is);
-}
+#define is_told(...) CHECK_OR_SAY(strstr(told, check_text(__VA_ARGS__)), "gnuplot is not told: " __VA_ARGS__)
 
 static size_t count_told(const char *part)
 {
@@ -480,8 +463,8 @@ static size_t count_told(const char *part)
 /* The data of this name, which stand there for the which-th time from 0 on: n rows of so many numbers. */
 static void check_data(const char *name, size_t which, size_t n, size_t width, const double expected[])
 {
-    char head[32], *end;
-    snprintf(head, sizeof head, "$%s << end\n", name);
+    char *end;
+    const char *head = check_text("$%s << end\n", name);
     const char *at = strstr(told, head);
     for (size_t k = 0; at && k < which; k++) at = strstr(at + 1, head);
     CU_ASSERT_PTR_NOT_NULL_FATAL(at);
@@ -529,9 +512,8 @@ static void write_frames(void)
                "12\t1\t5.5\t0\t-1\t0\t0\t9\n");
 }
 
-/* The window of all frames has a mean radius of 0.75 around grains and walls. Forces are in twelfths of the
- * fourth of five frames' largest ones, 0.5, from the weakest to the strongest; one that pulls is 20 styles
- * on. */
+/* The window of all frames has a mean radius of 0.75 around grains and walls. Forces, weakest first, are in
+ * twelfths of the fourth of five frames' largest ones, 0.5; one that pulls is 20 styles on. */
 static void test_animation(void)
 {
     static const int classes[FRAMES] = {6, 12, 0, 12, 9};
@@ -625,7 +607,7 @@ static void test_chosen(void)
     FAILS(64, "no screen for a window", "view .");
     CU_ASSERT_EQUAL(shell("DISPLAY= WAYLAND_DISPLAY= \"$REPOSE\" view . >out 2>err"), 64);
     /* a window, where there is a screen: all frames, with a tenth of a second between two */
-    CU_ASSERT_EQUAL(shell("DISPLAY=none PATH=.:$PATH \"$REPOSE\" view . >out 2>err"), 0);
+    SHELL("DISPLAY=none PATH=.:$PATH \"$REPOSE\" view . >out 2>err");
     slurp("told", told, sizeof told);
     CU_ASSERT(strncmp(told, "if (GPVAL_TERM eq 'unknown'", 27) == 0 && !strstr(told, "set terminal"));
     CU_ASSERT(count_told("\npause 0.100\n") == FRAMES - 1 &&
@@ -647,7 +629,7 @@ static void test_range(void)
         write_text("t.tsv", "x\ty\tr\tq\n0\t0\t1\t%g\n3\t0\t1\tnan\n6\t0\t1\t%g\n", cases[k].a, cases[k].b);
         tell("t.tsv -o a.png --color q");
         is_told("set cbrange [%s]\n", cases[k].range);
-        is_told(both ? "'#f7f7f7'" : "'#fff7bc'");
+        is_told("%s", both ? "'#f7f7f7'" : "'#fff7bc'");
         CHECK_PARTS(told, "set cblabel 'q' noenhanced",
                     "plot $grains using 1:2:3:4 with circles lw 0.4 fc palette notitle\n");
         /* a window of 8 by 2 m with a radius around it, whose plot is 13.1 cm wide */
@@ -775,12 +757,11 @@ static void test_styles(void)
         tell(". -o a.svg --window 0,%d,0,%d", windows[k], windows[k]);
         static const char *const shades[] = {"#96aac3", "#495a78", "#08183a"};
         static const int classes[] = {1, 7, 12};
-        for (int i = 0; i < 3; i++) {
+        for (int i = 0; i < 3; i++)
             is_told("set style arrow %d nohead lw %.3g lc rgb '%s'\nset style arrow %d nohead lw %.3g lc "
                     "rgb '#d55e00'\n",
                     classes[i], width * (classes[i] - 0.5) / 12.0, shades[i], classes[i] + 20,
                     width * (classes[i] - 0.5) / 12.0);
-        }
         is_told("set style arrow 50 nohead lw %.3g lc rgb '#0072b2'\nset style arrow 51 nohead lw %.3g lc "
                 "rgb '#d55e00'\n",
                 fmax(0.4 * width, 1.0), fmax(0.4 * width, 1.0));
@@ -832,11 +813,9 @@ static void test_stages(void)
     static const int order[] = {9, 1, 5};
     SHELL("mkdir d >out 2>err");
     for (int k = 0; k < 3; k++) {
-        char name[32];
-        snprintf(name, sizeof name, "d/%s_grains.tsv", names[k]);
-        write_text(name, "step\tx\ty\tr\n%d\t%d\t0\t1\n", order[k], k);
-        snprintf(name, sizeof name, "d/%s_contacts.tsv", names[k]);
-        write_text(name, "step\tx\ty\tx_b\ty_b\tforce\n%d\t%d\t0\t%d\t2\t%d\n", order[k], k, k, 1 + k);
+        write_text(check_text("d/%s_grains.tsv", names[k]), "step\tx\ty\tr\n%d\t%d\t0\t1\n", order[k], k);
+        write_text(check_text("d/%s_contacts.tsv", names[k]),
+                   "step\tx\ty\tx_b\ty_b\tforce\n%d\t%d\t0\t%d\t2\t%d\n", order[k], k, k, 1 + k);
     }
     write_text("d/c_grains.tsv", "step\tx\ty\tr\n");
     tell("d -o a.gif");
@@ -881,15 +860,9 @@ static void test_hostile(void)
         write_text("g.tsv", "# units: s\t%s\t%s\t%s\t%s\nt\tx\ty\tr\t%s\n0.5\t0.25\t0.5\t0.125\t1\n",
                    texts[k], texts[k], texts[k], texts[k], texts[k]);
         write_text("name", "%s", texts[k]);
-        CU_ASSERT_EQUAL(
-            shell(
-                "\"$REPOSE\" view g.tsv -o p.svg --color \"$(cat name)\" >out 2>err && ! ls hit >>out 2>&1"),
-            0);
-        CU_ASSERT_EQUAL(
-            shell(
-                "d=\"d$(cat name | tr / _)\"; mkdir -p \"$d\" && cp g.tsv \"$d/x_grains.tsv\" && \"$REPOSE\" "
-                "view \"$d\" -o \"$d/p.svg\" >out 2>err && ls \"$d/p.svg\" >out && ! ls hit >>out 2>&1"),
-            0);
+        SHELL("\"$REPOSE\" view g.tsv -o p.svg --color \"$(cat name)\" >out 2>err && ! ls hit >>out 2>&1");
+        SHELL("d=\"d$(cat name | tr / _)\"; mkdir -p \"$d\" && cp g.tsv \"$d/x_grains.tsv\" && \"$REPOSE\" "
+              "view \"$d\" -o \"$d/p.svg\" >out 2>err && ls \"$d/p.svg\" >out && ! ls hit >>out 2>&1");
     }
 }
 
@@ -954,7 +927,7 @@ static void test_random_texts(void)
         fputs(said, all);
     }
     fclose(all);
-    CU_ASSERT_EQUAL(shell("gnuplot all.gp >warnings 2>&1 && ! ls hit >out 2>err"), 0);
+    SHELL("gnuplot all.gp >warnings 2>&1 && ! ls hit >out 2>err");
 }
 
 static void test_refusals(void)
@@ -1009,11 +982,10 @@ static void test_refusals(void)
 static void test_closing_line(void)
 {
     static const char walls[] = "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );";
-    char grains[4096] = "";
+    const char *grains = "";
     for (int k = 0; k < 12; k++)
-        snprintf(grains + strlen(grains), sizeof grains - strlen(grains),
-                 "%s{ x = %g; y = %g; r = 0.1; fixed = true; }", k ? ", " : "", 0.1 + 0.2 * k,
-                 -1.0 - 0.1 * k);
+        grains = check_text("%s%s{ x = %g; y = %g; r = 0.1; fixed = true; }", grains, k ? ", " : "",
+                            0.1 + 0.2 * k, -1.0 - 0.1 * k);
     write_text(
         "stairs.cfg",
         "steps = 10; walls = ( { point = [0.0, -3.0]; direction = [0.0, 1.0]; } ); particles = ( %s );\n",

@@ -42,7 +42,7 @@ static inline rp_status read_text(trial *t, const char *text)
     static char path[256]; /* which the text borrows */
     *t = (trial){0};
     write_trial("e.cfg", text);
-    path_of("e.cfg", path);
+    snprintf(path, sizeof path, "%s", path_of("e.cfg"));
     RP_TRY(dem_text_open(path, NULL, NULL, &t->text));
     return exp_read(&t->text, &t->plan);
 }

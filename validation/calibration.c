@@ -37,11 +37,8 @@ static void measure(size_t names, const double truth[], int seed, double value[]
           "sweep export truth --reduce >out 2>err");
     scoped_table t = read_table("out");
     for (size_t p = 0; p < names; p++) {
-        char column[32];
-        snprintf(column, sizeof column, "%s_mean", of[p].number);
-        value[p] = cell(&t, 0, column);
-        snprintf(column, sizeof column, "%s_se", of[p].number);
-        error[p] = cell(&t, 0, column);
+        value[p] = cell(&t, 0, check_text("%s_mean", of[p].number));
+        error[p] = cell(&t, 0, check_text("%s_se", of[p].number));
     }
 }
 

@@ -1,10 +1,7 @@
 /* Cases of validation; see cases.h. */
 #include "validation/cases.h"
 
-#include <stdarg.h>
-
 #include "table/table.h"
-#include "tests/check.h"
 
 /* A cell of a table holds no spaces. */
 static void print_cell(FILE *out, const char *text)
@@ -17,24 +14,18 @@ static void print_cell(FILE *out, const char *text)
     fputc('\t', out);
 }
 
-void case_near(case_problem *problem, const char *quantity, double expected, double observed, double bound,
-               const char *format, ...)
+void case_of(case_problem *problem, const char *quantity, double expected, double observed, double bound,
+             const char *parameters)
 {
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(problem->parameters, sizeof problem->parameters, format, arguments);
-    va_end(arguments);
+    snprintf(problem->parameters, sizeof problem->parameters, "%s", parameters);
     case_also(problem, quantity, expected, observed, bound);
 }
 
 void case_also(case_problem *problem, const char *quantity, double expected, double observed, double bound)
 {
     const double error = fabs(observed - expected);
-    const bool near = error <= bound;
-    if (!near)
-        fprintf(stderr, "%s, %s: %s = %.17g, expected %.17g within %g\n", problem->problem,
-                problem->parameters, quantity, observed, expected, bound);
-    CU_ASSERT(near);
+    CHECK_OR_SAY(error <= bound, "%s, %s: %s = %.17g, expected %.17g within %g", problem->problem,
+                 problem->parameters, quantity, observed, expected, bound);
     const double ratio = isnan(error) ? INFINITY : error > 0.0 ? error / bound : 0.0;
     problem->n++;
     problem->worst = fmax(problem->worst, ratio);
@@ -53,15 +44,12 @@ int case_stride(int daily)
 
 void case_write(const char *suite, case_problem *const problems[], size_t n)
 {
-    char key[80];
     const char *name = check_text("%s_cases", suite);
     FILE *out = check_table(suite, NULL),
          *cases = check_table(name, "problem, parameters, quantity, expected, observed, error, bound");
     for (size_t i = 0; i < n && out; i++) {
-        snprintf(key, sizeof key, "source_%s", problems[i]->problem);
-        rp_table_note(out, key, "%s", problems[i]->source);
-        snprintf(key, sizeof key, "bound_%s", problems[i]->problem);
-        rp_table_note(out, key, "%s", problems[i]->bound);
+        rp_table_note(out, check_text("source_%s", problems[i]->problem), "%s", problems[i]->source);
+        rp_table_note(out, check_text("bound_%s", problems[i]->problem), "%s", problems[i]->bound);
     }
     if (out) rp_table_header(out, "problem, cases [1], worst_over_bound [1]");
     for (size_t i = 0; i < n; i++) {

@@ -3,8 +3,7 @@
 #ifndef CASES_H
 #define CASES_H
 
-#include <stddef.h>
-#include <stdio.h>
+#include "tests/check.h"
 
 typedef struct {
     const char *problem; /* one word */
@@ -18,9 +17,11 @@ typedef struct {
     FILE *text;
 } case_problem;
 
-/* One case: fails unless |observed - expected| <= bound; NaN fails. `format` names the parameters. */
-void case_near(case_problem *problem, const char *quantity, double expected, double observed, double bound,
-               const char *format, ...) __attribute__((format(printf, 6, 7)));
+/* One case: fails unless |observed - expected| <= bound; NaN fails. At last its parameters, as of printf. */
+#define case_near(problem, quantity, expected, observed, bound, ...)                                         \
+    case_of(problem, quantity, expected, observed, bound, check_text(__VA_ARGS__))
+void case_of(case_problem *problem, const char *quantity, double expected, double observed, double bound,
+             const char *parameters);
 
 /* Another quantity of the same case. */
 void case_also(case_problem *problem, const char *quantity, double expected, double observed, double bound);

@@ -5,7 +5,6 @@
 
 #include "dem/state/state.h"
 #include "sweeps/protocols/protocols.h"
-#include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/grains.h"
 
@@ -59,9 +58,8 @@ static dem_sim *filled_box(long N, double W, double dt, long stream, int kernel)
     return grains_start(&def);
 }
 
-/* A filled box at rest is cloned, and one grain of the clone is shifted. Both boxes are opened, and their
- * distance is recorded for 0.3 s. The rate is the slope of a least-squares line through the logarithm of the
- * distance. */
+/* A filled box at rest is cloned, and one grain of the clone is shifted. Both are opened, and their distance
+ * is recorded for 0.3 s. The rate is the slope of a least-squares line through its logarithm. */
 static growth avalanche(long N, double W, double dt, double shift, long stream, FILE *out)
 {
     const int most = 1200;

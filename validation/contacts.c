@@ -5,7 +5,6 @@
 #include <gsl/gsl_odeiv2.h>
 
 #include "dem/law/law.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "validation/cases.h"
 

@@ -1,6 +1,5 @@
 /* Stiff and extreme cases, generated: each gives the result of a closed form or a conservation law, or is
- * refused with a message that names the fault; none crashes, hangs or gives a wrong number. One row per case.
- */
+ * refused with a message that names the fault; none crashes, hangs or is wrong. A row a case. */
 #include "analytic/analytic.h"
 #include "angle/angle.h"
 #include "core/clock.h"
@@ -832,8 +831,7 @@ static void box_shapes(void)
         {40.0, 4.0, 5e-5, -1, "stop = \"steps\"; fill_steps = 3000; relax_steps = 3000;", NULL, 0, true}};
     for (size_t i = 0; i < COUNT(boxes); i++) {
         if ((boxes[i].slow && !check_full()) || (check_fast() && !boxes[i].word && i % 3)) continue;
-        char count[32] = "";
-        if (boxes[i].N > 0) snprintf(count, sizeof count, "N = %ld;", boxes[i].N);
+        const char *count = boxes[i].N > 0 ? check_text("N = %ld;", boxes[i].N) : "";
         PARAMETERS("W = %g, H = %g, dt = %g %s %s", boxes[i].W, boxes[i].H, boxes[i].dt, count,
                    boxes[i].more);
         write_text("box.cfg",

@@ -4,7 +4,6 @@
 #include <gsl/gsl_sf_gamma.h>
 
 #include "table/table.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "validation/cases.h"
 
@@ -95,9 +94,8 @@ static double stiffest(const impact *p)
 }
 
 /* The linear law's overlap is v exp(-b t) sin(w t)/w, b = gamma/2, w^2 = k/m - b^2. The pair separates where
- * the overlap is 0. A force that may not be attractive ends earlier, where tan(w t) = -2 b w/(w0^2 - 2 b^2),
- * and the pair moves freely. Over-damped: hyperbolic functions; with attractive forces the pair never
- * separates. */
+ * the overlap is 0. A force that may not attract ends earlier, where tan(w t) = -2 b w/(w0^2 - 2 b^2), and
+ * the pair moves freely. Over-damped: hyperbolic functions; with attraction it never separates. */
 static outcome linear_exact(const impact *p)
 {
     const double m = effective_mass(p), b = 0.5 * p->gamma_n, w02 = p->k_n / m, w2 = w02 - b * b;

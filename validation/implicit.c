@@ -2,7 +2,6 @@
  * many steps, phase error, cost of its solvers, and piles at the end of damped motion against static
  * solutions. Lengths in diameters, masses in those of a disk, g = 1. */
 #include "table/table.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "validation/solved_pile.h"
 
@@ -129,8 +128,7 @@ static void phase(void)
             last = now;
         }
         const double measured = sum / ((double)steps * angle);
-        /* positions of 0.5 are rounded to 1e-16, relative to an amplitude of 6e-5: random errors of 2e-12 per
-         * step */
+        /* positions of 0.5 are rounded to 1e-16, of an amplitude of 6e-5: random errors of 2e-12 a step */
         CHECK_NEAR(measured, formula, 1e-10 * formula);
         CHECK_ROW(out, NULL, angle, measured, formula, angle < 2.0 ? 2.0 / angle * asin(0.5 * angle) : NAN);
     }

@@ -1,6 +1,5 @@
 /* Validation of the shear law on a floor: a grain that does not rotate, under inclined gravity. It starts in
  * equilibrium in the normal direction, so that the normal force is m g cos(angle) throughout. */
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "validation/cases.h"
 
@@ -166,8 +165,7 @@ static void check_kick(int slip, double mu, double k_s, double v)
         case_also(&return_problem, "time", 2.0 * turn, dem_time(sim) - dt * s.x / (s.x - last.x),
                   2.0 * kink * 2.0 * v / (mu * G) + kink / w);
     } else {
-        /* when stuck, the grain oscillates for ever about the position x_1 before the turning point; observed
-         * half a period later */
+        /* stuck, it swings about the position x_1 before the turning point; observed half a period later */
         double nearest = furthest;
         for (double t = 0.0; t < 1.2 * M_PI / w; t += dt) nearest = fmin(nearest, run(sim, dt, dt).x);
         case_near(&return_problem, "swing", 2.0 * x1, furthest - nearest, 2.0 * kink * x1 + kink * x1, format,

@@ -5,7 +5,6 @@
 #include "analytic/analytic.h"
 #include "angle/angle.h"
 #include "statics/equilibrium.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "validation/cases.h"
 

@@ -10,7 +10,6 @@
 #include <gsl/gsl_fit.h>
 
 #include "dem/state/method.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 
 /* Fitted errors: velocity and position after the rebound, and `integration` of the ledger. */
@@ -149,8 +148,7 @@ typedef struct {
     double of[N_ERRORS];
 } errors;
 
-/* Errors of a state at the time `after` separation; the motion is then free, so that positions are compared
- * at equal times. */
+/* Errors of a state at the time `after` separation: in free motion, positions are compared at equal times. */
 static errors compare(const law *p, const rebound *exact, double x, double y, double v_x, double v_y,
                       double after, double integration)
 {

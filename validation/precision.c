@@ -1,14 +1,12 @@
 /* Error against run time (work-precision): cost of accuracy with each integrator and solver, and the fastest
- * of them for each accuracy. References are at least ten times more accurate than any result in the tables,
- * and each is computed by two methods. Times are processor time, least of several; no test depends on them.
- */
+ * for each accuracy. References are at least ten times more accurate than any result in the tables, each by
+ * two methods. Times are processor time, least of several; no test depends on them. */
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
 
 #include "core/clock.h"
 #include "table/table.h"
 #include "dem/state/method.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "validation/solved_pile.h"
 

@@ -11,7 +11,6 @@
 #include <gsl/gsl_odeiv2.h>
 #include <gsl/gsl_sf_gamma.h>
 
-#include "tests/check.h"
 #include "dem/law/laws.h"
 #include "params/units.h"
 #include "tests/grains.h"
@@ -261,15 +260,10 @@ static double strike_mass(const strike *p)
     return p->m_other > 0.0 ? m * p->m_other / (m + p->m_other) : m;
 }
 
-/* Largest overlap of a Hertzian impact; frequency of the contact there. */
+/* Largest overlap of a Hertzian impact. */
 static double hertz_depth(const strike *p)
 {
     return pow(1.25 * strike_mass(p) * p->v_n * p->v_n / p->k, 0.4);
-}
-
-static double hertz_rate(const strike *p)
-{
-    return sqrt(1.5 * p->k * sqrt(hertz_depth(p)) / strike_mass(p));
 }
 
 /* Until the spheres have parted. */
@@ -314,7 +308,8 @@ static void run_material(strike *p)
     const double nu[2] = {p->nu, p->m_other > 0.0 ? p->nu : p->wall_nu};
     dem_elastic_contact(E, nu, &k_n, &k_s);
     p->k = k_n * sqrt(p->m_other > 0.0 ? p->r * p->r_other / (p->r + p->r_other) : p->r);
-    const double rate = hertz_rate(p), dt = 1e-3 / rate;
+    /* the contact's frequency at its largest overlap */
+    const double rate = sqrt(1.5 * p->k * sqrt(hertz_depth(p)) / strike_mass(p)), dt = 1e-3 / rate;
     if (p->m_other > 0.0)
         snprintf(other, sizeof other, "{ x = 0.0; y = %.17g; r = %.17g; m = %.17g; omega = %.17g; } );",
                  -p->r_other, p->r_other, p->m_other, p->omega_other);

@@ -4,7 +4,6 @@
 #include <float.h>
 
 #include "dem/law/law.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 #include "validation/cases.h"
 #include "validation/oblique.h"
@@ -179,9 +178,8 @@ static void oblique_ends(void)
     }
 }
 
-/* In stick, without damping, a grain with an initial speed oscillates on its shear and rolling springs. Its
- * energy is constant to second order of the leapfrog, (omega dt)^2 with omega^2 = (3.5 k_s + 2.5 k_roll)/m.
- */
+/* In stick, without damping, a grain with a speed oscillates on its shear and rolling springs. Its energy is
+ * constant to the leapfrog's second order, (omega dt)^2 with omega^2 = (3.5 k_s + 2.5 k_roll)/m. */
 static void energy_stays(void)
 {
     dem_material c = {
@@ -260,8 +258,7 @@ static void rolling_incline(void)
         s = run(sim, 0.2, def.dt);
         if (k == 0) {
             CHECK_NEAR(s.vx, 0.0, 1e-6);
-            /* suddenly loaded, it oscillates by the extension of the springs, m g sin over each stiffness,
-             * before it sticks */
+            /* suddenly loaded, it swings by the springs' extension, m g sin over stiffness, till it sticks */
             CU_ASSERT(s.x > 0.0 && s.x < 10.0 * 2.0 * M * G * sin(angle) / 1e4);
             CHECK_NEAR(grains_only_contact(sim).rolling_torque, M * G * sin(angle) * b, 1e-6 * M * G * R);
             CHECK_NEAR(s.torque, 0.0, 1e-6 * M * G * R);

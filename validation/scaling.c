@@ -168,11 +168,10 @@ static void table_of_sizes(void)
             memory[j] = r.memory;
             CU_ASSERT(r.result.fault == STATICS_OK && r.result.load == 1 && r.result.negative_modes == 0);
         }
-        char key[32];
-        snprintf(key, sizeof key, "seconds_exponent_%g", alpha_deg[i]);
-        rp_table_note(out, key, "%.2f", exponent(SIZES / 2, n + SIZES / 2, seconds + SIZES / 2));
-        snprintf(key, sizeof key, "memory_exponent_%g", alpha_deg[i]);
-        rp_table_note(out, key, "%.2f", exponent(SIZES / 2, n + SIZES / 2, memory + SIZES / 2));
+        rp_table_note(out, check_text("seconds_exponent_%g", alpha_deg[i]), "%.2f",
+                      exponent(SIZES / 2, n + SIZES / 2, seconds + SIZES / 2));
+        rp_table_note(out, check_text("memory_exponent_%g", alpha_deg[i]), "%.2f",
+                      exponent(SIZES / 2, n + SIZES / 2, memory + SIZES / 2));
     }
     rp_table_header(out, "alpha_deg [degrees], n_disks, seconds [s], memory [MB], steps, factorisations, "
                          "negative_modes, residual [m g]");

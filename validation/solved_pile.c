@@ -2,7 +2,6 @@
 #include "validation/solved_pile.h"
 
 #include "analytic/analytic.h"
-#include "tests/check.h"
 #include "tests/grains.h"
 
 static const double R = 0.5, MU = 1.0, WELL = 1.0; /* half-width in eps sigma */

@@ -256,8 +256,7 @@ static bool asks(size_t n, size_t question)
     return !getenv("FUZZ") || n % 4 == question;
 }
 
-/* A good store with bytes changed, three numbers each: place (two bytes) and byte; the length, if the first
- * is beyond the end. */
+/* A good store with changes, three numbers each: place (two) and byte; the length, if beyond the end. */
 static void read_store(size_t n, const char text[])
 {
     static char bytes[sizeof whole_store];
