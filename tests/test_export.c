@@ -459,7 +459,13 @@ static void test_lammps_input(void)
             GOOD("run %s.cfg --set steps=1000 -o %s", name, name);
             strcat(strcat(names, " "), name);
         }
-        CU_ASSERT(readers(names));
+        write_text(
+            "flat.cfg",
+            "gravity = [0.0, 0.0]; dt = 1e-6; normal = { law = \"linear\"; k_n = 1e5; };\n"
+            "particles = ( { x = 0.0; y = 0.0; r = 0.1; vx = 100.0; }, { x = 0.25; y = 0.0; r = 0.1; } );\n");
+        GOOD("export flat.cfg --set steps=1000 --to lammps-input -o flat.in");
+        GOOD("run flat.cfg --set steps=1000 -o flat");
+        CU_ASSERT(readers(strcat(names, " flat"))); /* flat: in a region without a height */
     }
 }
 
@@ -517,7 +523,7 @@ static const char input[] =
     "\n"
     "units lj\n"
     "dimension 2\n"
-    "boundary s s p\n"
+    "boundary m m p\n"
     "atom_style sphere\n"
     "atom_modify map array\n"
     "newton off\n"
@@ -696,6 +702,7 @@ static void test_refused(void)
         FAILS(65, refused[i][1], "export spring.cfg --to lammps-input -o a.in --set %s", refused[i][0]);
     static const char *const walls[][2] = {
         {"extent = [0.0, 1.0];", "wall 1: extent"},
+        {"extent = (\"-inf\", 1.0);", "wall 1: extent"},
         {"open_at_step = 5;", "wall 1: open_at_step = 5"},
         {"velocity = [0.0, 0.5];", "wall 1: velocity"},
         {"velocity = [0.5, 0.0];", "wall 1: velocity"},
@@ -721,6 +728,9 @@ static void test_refused(void)
          "= 0.01; };",
          "ground: "},
         {WITH_GRAINS "integrator = \"implicit\";", "integrator: "},
+        {WITH_GRAINS "dt = 1e-6; normal = { law = \"elastic\"; k_n = 0.0; gamma_n = 0.3; tension = false; }; "
+                     "tangential = { law = \"mindlin\"; mu = 0.1; damping = \"inside\"; };",
+         "tangential.gamma_s = 0.24"},
         {WITH_GRAINS "dt = 1e-6; material = { E = 1e7; nu = 0.3; restitution = 0.1; mu = 0.5; };",
          "normal.gamma_n = 2.77"},
         {"fill = { N = 30; W = 2.0; H = 8.0; };",
