@@ -137,6 +137,13 @@ static void test_empty_frames(void)
     SHELL("grep -q 'step 200, .*0 grains' a.svg");
     GOOD("view o -o a.svg --frame step=150");
     SHELL("grep -q '1 grains\\|1 grain' a.svg");
+    /* energies of more steps than states, with grains but at the last */
+    write_text("o/energy.tsv", "step\tt\tgrains\n0\t0\t2\n50\t.5\t2\n100\t1\t2\n150\t1.5\t1\n200\t2\t0\n");
+    SHELL("rm a.lammpstrj");
+    GOOD("export o --to lammps -o a.lammpstrj");
+    SHELL("grep -A1 'ITEM: TIMESTEP' a.lammpstrj | grep '^[0-9]' | tr '\\n' ' ' >out; echo >>out");
+    CU_ASSERT_STRING_EQUAL(out, "50 150 200 \n");
+    FAILS(65, "0 to 2", "view o -o a.svg --frame 3");
 }
 
 /* `run --dump` leaves in the folder what export writes. */
