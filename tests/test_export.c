@@ -146,6 +146,28 @@ static void test_empty_frames(void)
     FAILS(65, "0 to 2", "view o -o a.svg --frame 3");
 }
 
+/* An experiment that goes back: steps rise, of its tables as of its phases. */
+static void test_back(void)
+{
+    write_text(
+        "back.cfg",
+        "dt = 2e-5; particles = ( { x = 0.0; y = 9.0; r = 0.1; }, { x = 1.0; y = 9.0; r = 0.1; } );\n"
+        "output = { states = 20; energy = 20; };\n"
+        "phases = ( { name = \"a\"; steps = 40; }, { name = \"b\"; steps = 40; },\n"
+        "  { name = \"c\"; from = \"a\"; steps = 30; } );\nmeasure = ( { name = \"at\"; of = \"step\"; "
+        "} );\n");
+    GOOD("run back.cfg -o back");
+    GOOD("export back --to xyz");
+    SHELL("grep -o 'Time=[^ ]* step=[0-9]*' out | sed 's/.*step=//' | tr '\\n' ' ' >steps; cat steps >out");
+    CU_ASSERT_STRING_EQUAL(out, "0 20 40 60 80 100 110 ");
+    GOOD("view back --frame c -o a.svg");
+    SHELL("grep -q 'step 110, t = 0.0014 s' a.svg");
+    write_text("back_sweep.cfg", "experiment = \"back.cfg\"; replicas = 1;\n");
+    GOOD("run back_sweep.cfg --row 0 -o row");
+    GOOD("view row --frame c -o a.svg");
+    SHELL("grep -q 'step 110, t = 0.0014 s' a.svg");
+}
+
 /* `run --dump` leaves in the folder what export writes. */
 static void test_dump(void)
 {
@@ -844,7 +866,7 @@ static void test_package(void)
 }
 
 CHECK_SUITE_WITHIN(export, "export", enter, leave, test_formats, test_sources, test_sweep, test_dump,
-                   test_empty_frames, test_long_names, test_errors, test_dump_files, test_vtk_files,
-                   test_text_files, test_lammps_input, test_spins, test_held, test_input_files,
-                   test_plain_input, test_types, test_laws, test_refused, test_readers, test_random_texts,
-                   test_package)
+                   test_empty_frames, test_back, test_long_names, test_errors, test_dump_files,
+                   test_vtk_files, test_text_files, test_lammps_input, test_spins, test_held,
+                   test_input_files, test_plain_input, test_types, test_laws, test_refused, test_readers,
+                   test_random_texts, test_package)
