@@ -37,6 +37,8 @@ class Error(Exception):
 
 
 def _number(text):
+    if isinstance(text, bool):
+        return None
     try:
         return float("inf" if text == "infinite" else text)
     except (TypeError, ValueError):
@@ -90,7 +92,7 @@ class Table:
 def parse_table(text):
     """A Table from the text that the program prints."""
     notes, names, rows, units, line = {}, None, [], "", ""
-    for line in text.splitlines():
+    for line in text.split("\n"):  # splitlines() would end lines at signs that names may have
         if line.startswith("#"):
             key, colon, value = line[1:].strip(" ").partition(": ")
             if rows or names:
@@ -110,7 +112,7 @@ def parse_table(text):
 
 def read_table(path):
     """A Table from a file of the program (.tsv)."""
-    return parse_table(pathlib.Path(path).read_text(encoding="utf-8"))
+    return parse_table(pathlib.Path(path).read_text(encoding="utf-8", errors="surrogateescape"))
 
 
 def read_store(path):
@@ -145,17 +147,21 @@ def read_frames(folder):
     """The Frames of a run, from the folder that `repose run -o` has written."""
     folder = pathlib.Path(folder)
     tables = {}
-    for name in ("states", "contacts", "walls"):
+    for name in ("states", "contacts", "walls", "energy"):
         path = folder / f"{name}.tsv"
         tables[name] = read_table(path) if path.exists() or name == "states" else None
     parts = {name: _by_step(table) for name, table in tables.items()}
+    times = {step: grains["t"][0] for step, grains in parts["states"].items()}
+    for step, energy in parts["energy"].items():
+        if energy["grains"][0] == 0:  # all have left
+            times.setdefault(step, energy["t"][0])
 
     def at(name, step):
         table = tables[name]
         return parts[name].get(step, Table(table.names, [], table.units, table.notes)) if table is not None else None
 
-    return [Frame(int(step), grains["t"][0], grains, at("contacts", step), at("walls", step))
-            for step, grains in parts["states"].items()]
+    return [Frame(int(step), times[step], at("states", step), at("contacts", step), at("walls", step))
+            for step in sorted(times)]
 
 
 def program():
@@ -169,7 +175,8 @@ def program():
 
 def _answer(*words, allowed=(0,)):
     """What the program prints, its message, and its exit status, one of those allowed."""
-    done = subprocess.run([program(), *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    done = subprocess.run([program(), *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          encoding="utf-8", errors="surrogateescape")
     if done.returncode not in allowed:
         raise Error(done.stderr.strip(), done.returncode)
     return done.stdout, done.stderr.strip(), done.returncode
@@ -209,7 +216,7 @@ def run(scene, folder=None, every=None, set=None, options=(), **lets):
     """Simulate a scene into a folder, a frame every `every` steps, with keys of the scene replaced by `set`, and its
     own names by keywords, as D=1.6. Returns its Frames; of a scene with phases a Run, which needs no folder."""
     words = ["run", scene, *(["-o", folder] if folder else []), *options]
-    if every:
+    if every is not None:
         words += ["--every", every]
     for key, value in {**(set or {}), **lets}.items():
         words += ["--set", f"{key}={str(value).lower() if isinstance(value, bool) else value}"]
@@ -219,11 +226,13 @@ def run(scene, folder=None, every=None, set=None, options=(), **lets):
         return Run(table, read_frames(folder) if folder else [])
     if status:
         raise Error(message, status)
-    return read_frames(folder) if folder else [Frame(int(table["step"][0]), table["t"][0], table, None, None)]
+    if folder:
+        return read_frames(folder)
+    return [Frame(int(step), frame["t"][0], frame, None, None) for step, frame in _by_step(table).items()]
 
 
 def sweep(file, folder, workers=None, replicas=None):
     """Plan a sweep in a folder and make the runs that are not stored yet. Returns its runs as a Table."""
-    command("sweep", "plan", file, "-o", folder, *(["--replicas", replicas] if replicas else []))
-    command("sweep", "run", folder, *(["-j", workers] if workers else []))
+    command("sweep", "plan", file, "-o", folder, *(["--replicas", replicas] if replicas is not None else []))
+    command("sweep", "run", folder, *(["-j", workers] if workers is not None else []))
     return read_store(folder)

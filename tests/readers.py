@@ -378,12 +378,27 @@ def package():
     again = repose.run("scene.cfg", "again", every=250, set={"tangential.mu": 0.1, "ledger": True})
     assert [f.step for f in again] == list(states)
     assert any(a != b for a, b in zip(again[-1].grains["x"], found[-1].grains["x"])), "set"
+    gone = "leaves \u2028 \x85 \udcff.cfg"  # in a name no line ends, and what is no UTF-8 stays
+    with open(gone, "w") as file:
+        file.write("dt = 1e-4; y_min = -0.004; steps = 40; output = { states = 20; energy = 10; contacts = 0; walls = 0; };"
+                   "particles = ( { x = 0.0; y = 0.0; r = 0.1; vy = -1.0; } );")
+    left = repose.run(gone, "left")
+    assert [(f.step, f.t, len(f.grains)) for f in left] == [(0, 0, 1), (20, 0.002, 1), (30, 0.003, 0), (40, 0.004, 0)]
+    printed = repose.run(gone)  # frames by their steps
+    assert [(f.step, len(f.grains)) for f in printed] == [(0, 1), (20, 1)] and "\u2028" in printed[0].grains.notes["command"]
+    try:
+        repose.run("scene.cfg", "none", every=0)
+    except repose.Error as error:
+        assert "--every = 0" in str(error), error
+    else:
+        raise AssertionError("every=0")
     runs, expected = repose.sweep("sweep.cfg", "s", workers=1), table("runs.tsv")
     assert list(runs["status"]) == [row["status"] for row in expected]
     assert [float(v) for v in runs["theta_r3_deg"]] == [number(row["theta_r3_deg"]) for row in expected] or any(
         v != v for v in runs["theta_r3_deg"])
     assert list(runs["mu"]) == [0.1, 0.1, 0.3, 0.3] and list(runs["W"]) == 4 * [1]
     assert runs.units["theta_r3_deg"] == "degree" and runs.notes["missing"] == "0 of 4"
+    assert runs["theta_t"] == 4 * [False]
     some = runs.where("mu", 0.3)
     assert some.names == runs.names and some.rows == runs.rows[2:] and some.units == runs.units and len(some) == 2
     assert some.notes == runs.notes and len(runs.where("mu", 0.2)) == 0

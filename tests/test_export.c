@@ -137,6 +137,35 @@ static void test_empty_frames(void)
     SHELL("grep -q 'step 200, .*0 grains' a.svg");
     GOOD("view o -o a.svg --frame step=150");
     SHELL("grep -q '1 grains\\|1 grain' a.svg");
+    /* energies of more steps than states, with grains but at the last */
+    write_text("o/energy.tsv", "step\tt\tgrains\n0\t0\t2\n50\t.5\t2\n100\t1\t2\n150\t1.5\t1\n200\t2\t0\n");
+    SHELL("rm a.lammpstrj");
+    GOOD("export o --to lammps -o a.lammpstrj");
+    SHELL("grep -A1 'ITEM: TIMESTEP' a.lammpstrj | grep '^[0-9]' | tr '\\n' ' ' >out; echo >>out");
+    CU_ASSERT_STRING_EQUAL(out, "50 150 200 \n");
+    FAILS(65, "0 to 2", "view o -o a.svg --frame 3");
+}
+
+/* An experiment that goes back: steps rise, of its tables as of its phases. */
+static void test_back(void)
+{
+    write_text(
+        "back.cfg",
+        "dt = 2e-5; particles = ( { x = 0.0; y = 9.0; r = 0.1; }, { x = 1.0; y = 9.0; r = 0.1; } );\n"
+        "output = { states = 20; energy = 20; };\n"
+        "phases = ( { name = \"a\"; steps = 40; }, { name = \"b\"; steps = 40; },\n"
+        "  { name = \"c\"; from = \"a\"; steps = 30; } );\nmeasure = ( { name = \"at\"; of = \"step\"; "
+        "} );\n");
+    GOOD("run back.cfg -o back");
+    GOOD("export back --to xyz");
+    SHELL("grep -o 'Time=[^ ]* step=[0-9]*' out | sed 's/.*step=//' | tr '\\n' ' ' >steps; cat steps >out");
+    CU_ASSERT_STRING_EQUAL(out, "0 20 40 60 80 100 110 ");
+    GOOD("view back --frame c -o a.svg");
+    SHELL("grep -q 'step 110, t = 0.0014 s' a.svg");
+    write_text("back_sweep.cfg", "experiment = \"back.cfg\"; replicas = 1;\n");
+    GOOD("run back_sweep.cfg --row 0 -o row");
+    GOOD("view row --frame c -o a.svg");
+    SHELL("grep -q 'step 110, t = 0.0014 s' a.svg");
 }
 
 /* `run --dump` leaves in the folder what export writes. */
@@ -199,6 +228,7 @@ static void test_errors(void)
     FAILS(65, "no grains", "export pile --to xyz --where 'step>9999'");
     FAILS(65, "neither a run (states.tsv) nor a sweep (sweep.cfg)", "export . --to csv");
     FAILS(65, "nowhere: cannot read", "export nowhere --to csv");
+    FAILS(64, "scene.cfg: a scene is exported by --to lammps-input", "export scene.cfg --to xyz");
     FAILS(64, "--reduce needs a sweep", "export pile --to csv --reduce");
     FAILS(64, "--set needs --to lammps-input", "export pile --to csv --set mu=1");
     FAILS(64, "vtk needs a name that ends in .pvd", "export pile --to vtk -o a.vtk");
@@ -377,6 +407,10 @@ static void test_text_files(void)
     PRINTS_ALL("y\n.5\nnan\ninf\n", "export t.tsv --to csv --columns y");
     GOOD("export t.tsv --to csv --columns z,z,x,x,y,z");
     file_is("out", "z,z,x,x,y,z\n1e5,1e5,1,1,.5,1e5\n\"x,y\",\"x,y\",-0,-0,nan,\"x,y\"\n-,-,+3,+3,inf,-\n");
+    FAILS(65, "two columns have one name", "export t.tsv --to json --columns x,y,x");
+    FAILS(65, "two columns have one name", "stats select t.tsv --columns x,x --json");
+    write_text("t.tsv", "a\tb\ntrue\tfalse\n");
+    PRINTS("{\"a\": true, \"b\": false}\n]}\n", "export t.tsv --to json");
     /* columns without names have numbers */
     write_text("bare.txt", "1 2\n3 4\n");
     PRINTS_ALL("1,2\n1,2\n3,4\n", "export bare.txt --to csv");
@@ -458,7 +492,13 @@ static void test_lammps_input(void)
             GOOD("run %s.cfg --set steps=1000 -o %s", name, name);
             strcat(strcat(names, " "), name);
         }
-        CU_ASSERT(readers(names));
+        write_text(
+            "flat.cfg",
+            "gravity = [0.0, 0.0]; dt = 1e-6; normal = { law = \"linear\"; k_n = 1e5; };\n"
+            "particles = ( { x = 0.0; y = 0.0; r = 0.1; vx = 100.0; }, { x = 0.25; y = 0.0; r = 0.1; } );\n");
+        GOOD("export flat.cfg --set steps=1000 --to lammps-input -o flat.in");
+        GOOD("run flat.cfg --set steps=1000 -o flat");
+        CU_ASSERT(readers(strcat(names, " flat"))); /* flat: in a region without a height */
     }
 }
 
@@ -516,7 +556,7 @@ static const char input[] =
     "\n"
     "units lj\n"
     "dimension 2\n"
-    "boundary s s p\n"
+    "boundary m m p\n"
     "atom_style sphere\n"
     "atom_modify map array\n"
     "newton off\n"
@@ -694,6 +734,7 @@ static void test_refused(void)
         FAILS(65, refused[i][1], "export spring.cfg --to lammps-input -o a.in --set %s", refused[i][0]);
     static const char *const walls[][2] = {
         {"extent = [0.0, 1.0];", "wall 1: extent"},
+        {"extent = (\"-inf\", 1.0);", "wall 1: extent"},
         {"open_at_step = 5;", "wall 1: open_at_step = 5"},
         {"velocity = [0.0, 0.5];", "wall 1: velocity"},
         {"velocity = [0.5, 0.0];", "wall 1: velocity"},
@@ -719,6 +760,9 @@ static void test_refused(void)
          "= 0.01; };",
          "ground: "},
         {WITH_GRAINS "integrator = \"implicit\";", "integrator: "},
+        {WITH_GRAINS "dt = 1e-6; normal = { law = \"elastic\"; k_n = 0.0; gamma_n = 0.3; tension = false; }; "
+                     "tangential = { law = \"mindlin\"; mu = 0.1; damping = \"inside\"; };",
+         "tangential.gamma_s = 0.24"},
         {WITH_GRAINS "dt = 1e-6; material = { E = 1e7; nu = 0.3; restitution = 0.1; mu = 0.5; };",
          "normal.gamma_n = 2.77"},
         {"fill = { N = 30; W = 2.0; H = 8.0; };",
@@ -821,7 +865,7 @@ static void test_package(void)
 }
 
 CHECK_SUITE_WITHIN(export, "export", enter, leave, test_formats, test_sources, test_sweep, test_dump,
-                   test_empty_frames, test_long_names, test_errors, test_dump_files, test_vtk_files,
-                   test_text_files, test_lammps_input, test_spins, test_held, test_input_files,
-                   test_plain_input, test_types, test_laws, test_refused, test_readers, test_random_texts,
-                   test_package)
+                   test_empty_frames, test_back, test_long_names, test_errors, test_dump_files,
+                   test_vtk_files, test_text_files, test_lammps_input, test_spins, test_held,
+                   test_input_files, test_plain_input, test_types, test_laws, test_refused, test_readers,
+                   test_random_texts, test_package)

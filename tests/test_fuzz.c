@@ -130,7 +130,7 @@ static void extreme_scenes(void)
         if (!status) status = dem_scene_start(&scene, &sim);
         if (!status) status = dem_run(sim, 20);
         out = fmemopen(text, sizeof text, "w");
-        if (!status) status = dem_write_rows(DEM_TABLE_STATES, sim, out);
+        if (!status) status = dem_write_rows(DEM_TABLE_STATES, sim, dem_step(sim), out);
         fclose(out);
         n_run += !status;
         if (!status && (strstr(text, "nan") || strstr(text, "inf")))

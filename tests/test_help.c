@@ -541,9 +541,10 @@ static void row_is(const char *const cells[8])
         const json_t *value = json_object_get(row, names[i]);
         char *end;
         const double number = strtod(cells[i], &end);
-        const bool same = json_is_number(value)
-                              ? *cells[i] && !*end && json_number_value(value) == number
-                              : json_is_string(value) && strcmp(json_string_value(value), cells[i]) == 0;
+        const char *word =
+            json_is_boolean(value) ? (json_is_true(value) ? "true" : "false") : json_string_value(value);
+        const bool same = json_is_number(value) ? *cells[i] && !*end && json_number_value(value) == number
+                                                : word && strcmp(word, cells[i]) == 0;
         CHECK_OR_SAY(same, "params --json: row %zu, %s: expected %s", row_now, names[i], cells[i]);
     }
 }

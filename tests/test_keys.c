@@ -134,9 +134,9 @@ static char *outcome(const char *text, const char *change)
     if (!status) {
         FILE *out = open_memstream(&tables, &size);
         fprintf(out, "%d\n", (int)dem_run(sim, scene.steps));
-        dem_write_rows(DEM_TABLE_STATES, sim, out);
-        dem_write_rows(DEM_TABLE_CONTACTS, sim, out);
-        CHECK_OK(dem_write_rows(DEM_TABLE_ENERGY, sim, out));
+        dem_write_rows(DEM_TABLE_STATES, sim, dem_step(sim), out);
+        dem_write_rows(DEM_TABLE_CONTACTS, sim, dem_step(sim), out);
+        CHECK_OK(dem_write_rows(DEM_TABLE_ENERGY, sim, dem_step(sim), out));
         scoped double *forces = calloc(2 * scene.def.n_walls + 1, sizeof *forces);
         CU_ASSERT_PTR_NOT_NULL_FATAL(forces);
         grains_wall_forces(sim, forces);

@@ -265,7 +265,7 @@ static void particles_from_table(void)
     CHECK_OK(dem_scene_start(&first, &sim));
     FILE *out = fopen(table, "w");
     dem_write_columns(DEM_TABLE_STATES, false, out);
-    CHECK_OK(dem_write_rows(DEM_TABLE_STATES, sim, out));
+    CHECK_OK(dem_write_rows(DEM_TABLE_STATES, sim, dem_step(sim), out));
     fclose(out);
     CHECK_OK(grains_read(text, NULL, &again));
     CU_ASSERT(again.def.n_grains == 3 && again.grains[1].fixed && !again.grains[0].fixed && !*again.unused);
@@ -413,8 +413,8 @@ static void bed_taken_back(void)
     dem_write_columns(DEM_TABLE_CONTACTS, false, out[1]);
     for (int part = 0; part < 2; part++) {
         CHECK_OK(dem_run(sim, part ? 10 : 60000));
-        CHECK_OK(dem_write_rows(DEM_TABLE_STATES, sim, out[0]));
-        CHECK_OK(dem_write_rows(DEM_TABLE_CONTACTS, sim, out[1]));
+        CHECK_OK(dem_write_rows(DEM_TABLE_STATES, sim, dem_step(sim), out[0]));
+        CHECK_OK(dem_write_rows(DEM_TABLE_CONTACTS, sim, dem_step(sim), out[1]));
     }
     fclose(out[0]), fclose(out[1]);
     const size_t n = dem_count(sim);
@@ -517,7 +517,7 @@ static void energy_of_few(void)
     scoped_sim *sim = grains_start(&def);
     for (int left = 0; left < 3; left++) {
         double v[8] = {0.0};
-        CHECK_WRITTEN(text, out, CHECK_OK(dem_write_rows(DEM_TABLE_ENERGY, sim, out)));
+        CHECK_WRITTEN(text, out, CHECK_OK(dem_write_rows(DEM_TABLE_ENERGY, sim, dem_step(sim), out)));
         char *at = text;
         for (int c = 0; c < 8; c++) v[c] = strtod(at, &at);
         const double kinetic[] = {4e4, 2.5e4, 0.0};

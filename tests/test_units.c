@@ -1,8 +1,11 @@
 /* A scene in other units is the same scene. Units that are powers of 2 change no digit, so that runs agree to
  * the bit; a number that stands in the code without a unit shows. Hertz' law takes the fourth root of a
  * length, and so exponents of lengths are multiples of 4, all others even. */
+#include <pthread.h>
+
 #include "dem/setup/definition.h"
 #include "dem/state/state.h"
+#include "params/units.h"
 #include "tests/grains.h"
 
 typedef struct {
@@ -256,4 +259,20 @@ static void implicit(void)
     }
 }
 
-CHECK_SUITE(units, "units", soft, hard, gear_and_ground, implicit)
+static void *set_si(void *unit)
+{
+    rp_units_set(RP_SI);
+    *(const char **)unit = rp_unit("cm");
+    return NULL;
+}
+
+/* A thread that reads a scene in other units leaves those of the others. */
+static void in_threads(void)
+{
+    pthread_t other;
+    const char *unit;
+    CU_ASSERT_FATAL(pthread_create(&other, NULL, set_si, &unit) == 0 && pthread_join(other, NULL) == 0);
+    CU_ASSERT(strcmp(unit, "m") == 0 && strcmp(rp_unit("cm"), "cm") == 0);
+}
+
+CHECK_SUITE(units, "units", soft, hard, gear_and_ground, implicit, in_threads)

@@ -525,7 +525,7 @@ static void test_animation(void)
                    48.0 * (14.0 * 8.5 / 11.0 + 1.8 + 3.1), 48.0 * (14.0 + 1.4 + 1.5));
     CU_ASSERT(strncmp(told, text, strlen(text)) == 0);
     CHECK_PARTS(told, "set xrange [-2.25:6.25]\n", "set yrange [-1.25:9.75]\n", "set cbrange [2:8]\n",
-                "set cblabel 'm (kg)' noenhanced\n");
+                "set cblabel offset 1 'm (kg)' noenhanced\n");
     size_t with_contacts = 0;
     for (size_t k = 0; k < FRAMES; k++) {
         const double *a = place[k][0], *b = place[k][1];
@@ -630,7 +630,7 @@ static void test_range(void)
         tell("t.tsv -o a.png --color q");
         is_told("set cbrange [%s]\n", cases[k].range);
         is_told("%s", both ? "'#f7f7f7'" : "'#fff7bc'");
-        CHECK_PARTS(told, "set cblabel 'q' noenhanced",
+        CHECK_PARTS(told, "set cblabel offset 1 'q' noenhanced",
                     "plot $grains using 1:2:3:4 with circles lw 0.4 fc palette notitle\n");
         /* a window of 8 by 2 m with a radius around it, whose plot is 13.1 cm wide */
         is_told("set lmargin at screen %.5f\nset rmargin at screen %.5f\n", 0.1, 1.0 - 3.1 / 18.0);
@@ -728,8 +728,9 @@ static void test_bins(void)
     /* long numbers are over a power of ten */
     write_text("states.tsv", "# units: m\tm\tm\nx\ty\tr\n0\t0\t1e-4\n5e-4\t0\t1e-4\n");
     tell(". -o a.png --color x");
-    CHECK_PARTS(told, "set cblabel 'x (1e-4 m)' noenhanced\n", "set xlabel 'x (1e-3 m)' noenhanced\n",
-                "set xtics ('-0.2' -0.0002", "set ylabel 'y (1e-3 m)' noenhanced\n");
+    CHECK_PARTS(told, "set cblabel offset 1 'x (1e-4 m)' noenhanced\n",
+                "set xlabel 'x (1e-3 m)' noenhanced\n", "set xtics ('-0.2' -0.0002",
+                "set ylabel 'y (1e-3 m)' noenhanced\n");
     write_pile();
     write_press(3.5, 3.5, 12e8);
     tell(". -o a.png --base --cell 3");

@@ -58,8 +58,10 @@ typedef struct {
 void export_split(rp_arena *arena, size_t n, const double step[], const double t[], export_frames *frames);
 size_t export_rows_at(const export_frames *frames, double step, size_t *first);
 
-/* Add the frames of `all` that `frames` lacks, as empty ones: all grains have left. Steps of both rise. */
-void export_add_empty(rp_arena *arena, const export_frames *all, export_frames *frames);
+/* Add the frames of `all` that `frames` lacks, as empty ones: all grains have left. Steps of both rise. Those
+ * of rows with grains are left out: the grains have fewer frames; NULL: no row says. */
+void export_add_empty(rp_arena *arena, const export_frames *all, const double grains[],
+                      export_frames *frames);
 
 /* Step and time of a frame of grains; without a column of times the step, without one of steps its number. */
 double export_frame_step(const export_run *run, size_t frame);

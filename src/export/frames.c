@@ -94,15 +94,16 @@ void export_split(rp_arena *arena, size_t n, const double step[], const double t
     f->first[f->n] = n;
 }
 
-void export_add_empty(rp_arena *arena, const export_frames *all, export_frames *frames)
+void export_add_empty(rp_arena *arena, const export_frames *all, const double grains[], export_frames *frames)
 {
     const export_frames f = *frames;
     make_frames(arena, f.n + all->n, frames);
     for (size_t i = 0, k = 0; i < f.n || k < all->n;) {
-        const bool empty = i == f.n || (k < all->n && all->steps[k] < f.steps[i]);
-        const double step = empty ? all->steps[k] : f.steps[i];
-        put_frame(frames, step, empty ? all->times[k] : f.times[i], f.first[i]);
-        i += !empty;
+        const bool lacks = i == f.n || (k < all->n && all->steps[k] < f.steps[i]);
+        const double step = lacks ? all->steps[k] : f.steps[i];
+        if (!lacks || !(grains && grains[all->first[k]] > 0.0))
+            put_frame(frames, step, lacks ? all->times[k] : f.times[i], f.first[i]);
+        i += !lacks;
         while (k < all->n && all->steps[k] <= step) k++;
     }
     frames->first[frames->n] = f.first[f.n];
@@ -250,9 +251,13 @@ rp_status export_run_read(rp_arena *arena, const char *source, rp_table *table, 
     RP_TRY(find_frames(arena, table, &run->grains));
     RP_TRY(find_grains(arena, run, columns));
     if (run->grains.n == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", source);
-    export_frames energies = {0}; /* of every frame, also of those without grains */
+    export_frames energies = {0}; /* also of frames without grains */
     RP_TRY(read_beside(arena, source, "energy.tsv", &energies));
-    if (run->grains.step >= 0 && !table->chosen) export_add_empty(arena, &energies, &run->grains);
+    const int count = energies.table ? rp_table_column(energies.table, "grains") : -1;
+    double *grains = count < 0 ? NULL : rp_arena_memory(arena, energies.table->n_rows, sizeof *grains);
+    for (size_t i = 0; grains && i < energies.table->n_rows; i++)
+        grains[i] = strtod(rp_cell(energies.table, i, count), NULL);
+    if (run->grains.step >= 0 && !table->chosen) export_add_empty(arena, &energies, grains, &run->grains);
     RP_TRY(read_beside(arena, source, "contacts.tsv", &run->contacts));
     RP_TRY(read_beside(arena, source, "walls.tsv", &run->walls));
     const rp_table *tables[] = {run->grains.table, run->contacts.table, run->walls.table};

@@ -54,10 +54,10 @@ static rp_status check_material(const dem_definition *def, const dem_material *m
             "%stangential.gamma_s = %g: LAMMPS damps shear as the normal direction, which the laws "
             "\"%s\" and \"%s\" do not; 0 goes",
             of, m->gamma_s, normal_law(def)->name, dem_tangential_descriptors[def->tangential].name);
-    if (slides && m->gamma_n == 0.0 && m->gamma_s > 0.0)
+    if (slides && (m->gamma_n == 0.0 || (tsuji(def, m) && m->k_n == 0.0)) && m->gamma_s > 0.0)
         return rp_fail(RP_BAD_INPUT,
-                       "%stangential.gamma_s = %g: LAMMPS has it as a part of gamma_n, which is 0", of,
-                       m->gamma_s);
+                       "%stangential.gamma_s = %g: LAMMPS has it as a part of the normal damping, which is 0",
+                       of, m->gamma_s);
     return RP_OK;
 }
 
@@ -67,7 +67,7 @@ static rp_status check_walls(const dem_definition *def)
         const dem_wall *wall = &dem_walls_of(def)[w];
         char name[32];
         snprintf(name, sizeof name, "wall %zu: ", w + 1);
-        if (isfinite(wall->extent[0])) /* a scene gives both ends, or none */
+        if (!dem_wall_is_line(wall))
             return rp_fail(RP_BAD_INPUT,
                            "%sextent: LAMMPS has whole planes, no segments, polygons or circles", name);
         if (wall->open_at_step >= 0)
@@ -294,7 +294,7 @@ static void write_input(const lammps_scene *s, const char *scene, const char *st
     fprintf(out, "variable steps index %ld\nvariable every index %ld\n", s->scene.steps,
             s->scene.steps < 200 ? 1 : s->scene.steps / 100);
     fprintf(out, "variable data index %s.data\nvariable dump index %s.lammpstrj\n\n", name, name);
-    fputs("units lj\ndimension 2\nboundary s s p\natom_style sphere\natom_modify map array\nnewton off\n"
+    fputs("units lj\ndimension 2\nboundary m m p\natom_style sphere\natom_modify map array\nnewton off\n"
           "comm_modify vel yes\nread_data ${data}\n\npair_style granular\n",
           out);
     for (size_t i = 0; i < s->n_types; i++)

@@ -43,7 +43,7 @@ static rp_status write_json(const rp_table *t, json_t *value, size_t flags, FILE
     return rp_fail(RP_NO_MEMORY, "%s: out of memory, or no UTF-8", t->path);
 }
 
-/* A cell as it stands, if JSON has such a number; nan is null, any other word a string. */
+/* A cell as it stands, if JSON has such a number or truth value; nan is null, any other word a string. */
 static rp_status write_value(const rp_table *t, const char *text, FILE *out)
 {
     double number;
@@ -51,7 +51,7 @@ static rp_status write_value(const rp_table *t, const char *text, FILE *out)
     json_t *value = json_loads(text, JSON_DECODE_ANY, NULL);
     const bool as_is = is_number && json_is_number(value);
     json_decref(value);
-    if (as_is) return fputs(text, out), RP_OK;
+    if (as_is || strcmp(text, "true") == 0 || strcmp(text, "false") == 0) return fputs(text, out), RP_OK;
     return write_json(t,
                       !is_number || isinf(number) ? json_string(text)
                       : isnan(number)             ? json_null()
@@ -103,6 +103,11 @@ static json_t *units_of(const rp_table *t, size_t n, const int columns[])
 
 rp_status export_json(const rp_table *t, size_t n, const int columns[], FILE *out)
 {
+    json_t *units = units_of(t, n, columns);
+    const bool apart = json_object_size(units) == n;
+    json_decref(units);
+    if (!apart)
+        return rp_fail(RP_BAD_INPUT, "%s: two columns have one name, which JSON cannot tell apart", t->path);
     fputs("{\"notes\": ", out);
     RP_TRY(write_json(t, notes_of(t), JSON_INDENT(1), out));
     fputs(",\n\"units\": ", out);

@@ -12,7 +12,7 @@
 #include <string.h>
 
 static const char *const words[] = {"cgs", "si", "sigma"};
-static rp_units now = RP_CGS;
+static _Thread_local rp_units now = RP_CGS;
 
 /* A label in each system, and its powers of length, time and mass. */
 static const struct {

@@ -1,5 +1,5 @@
 /* Systems of units. The program computes with plain numbers; schemas and table headers are written in cgs,
- * and this table has each label and each default in another system. One system holds in a process: that of
+ * and this table has each label and each default in another system. One system holds in a thread: that of
  * the scene, sweep or table that was read last. */
 #ifndef RP_UNITS_H
 #define RP_UNITS_H

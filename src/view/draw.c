@@ -312,7 +312,7 @@ static void put_palette(const view_scene *scene, const view_style *style, const 
     const int power = power_of(fmax(fabs(lo), fabs(hi)));
     const double height = s->height - TOP - BOTTOM - s->panel,
                  step = round_step((hi - lo) * fmax(0.4 / height, 0.1));
-    put_label(out, "cblabel", style->color, scene->quantity, power);
+    put_label(out, "cblabel offset 1", style->color, scene->quantity, power); /* past one digit */
     fprintf(out, "set cbrange [%.17g:%.17g]\nset cbtics scale 0.5\n", lo, hi);
     if (power || height < LOW) put_marks(out, "cb", lo, hi, step, power);
 }

@@ -122,11 +122,11 @@ static rp_status add_source(rp_arena *arena, const char *path, const char *color
     snprintf(scene->length, sizeof scene->length, "%s", g.unit[2]);
     snprintf(scene->time, sizeof scene->time, "%s", g.unit[1]);
     if (*color) snprintf(scene->quantity, sizeof scene->quantity, "%s", g.unit[6]);
-    RP_TRY(read_numbers(arena, energy, (const char *const[]){"step", "t", NULL}, "step t", &e));
+    RP_TRY(read_numbers(arena, energy, (const char *const[]){"step", "t", "?grains", NULL}, "step t", &e));
     export_frames grains = split(arena, &g);
     const export_frames energies = split(arena, &e), of_contacts = split(arena, &c),
                         of_walls = split(arena, &w);
-    if (grains.step >= 0) export_add_empty(arena, &energies, &grains);
+    if (grains.step >= 0) export_add_empty(arena, &energies, e.column[2], &grains);
     view_frame *frames = rp_arena_memory(arena, scene->n + grains.n, sizeof *frames);
     if (scene->n > 0) memcpy(frames, scene->frames, scene->n * sizeof *frames);
     for (size_t k = 0; k < grains.n; k++) {

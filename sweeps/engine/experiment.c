@@ -137,16 +137,16 @@ static rp_status note_phase(trace *t, long step)
 {
     exp_run *const run = t->run;
     if (!t->energy.out) return RP_OK;
-    const long every = t->tables->every, now = dem_step(exp_sim(run));
+    const long every = t->tables->every, now = exp_steps(run);
     if (every > 0 && now != step && now % every == 0)
-        RP_TRY(dem_write_rows(DEM_TABLE_ENERGY, exp_sim(run), t->energy.out));
+        RP_TRY(dem_write_rows(DEM_TABLE_ENERGY, exp_sim(run), now, t->energy.out));
     for (size_t k = 0; k < exp_phase_count(t->plan); k++) {
         const exp_passed p = exp_phase_at(run, k);
         char stage[64];
         if (p.passes == t->passes[k]) continue;
         t->passes[k] = p.passes;
         snprintf(stage, sizeof stage, p.inner ? "%s_%ld" : "%s", p.name, p.passes);
-        if (!p.inner || p.look) RP_TRY(sweep_state_write(t->tables, exp_sim(run), stage));
+        if (!p.inner || p.look) RP_TRY(sweep_state_write(t->tables, exp_sim(run), now, stage));
     }
     return RP_OK;
 }
@@ -175,7 +175,7 @@ static rp_status write_tables(const trace *t, const void *params)
         RP_TRY(sweep_table_close(&f, RP_OK));
     }
     RP_TRY(write_phases(t));
-    RP_TRY(sweep_state_write(t->tables, exp_sim(t->run), "end"));
+    RP_TRY(sweep_state_write(t->tables, exp_sim(t->run), exp_steps(t->run), "end"));
     const dem_text *text = &experiment_of(params)->text; /* of this run, for `repose run` */
     if (text->lets.foreign) return RP_OK;                /* other units than the text's */
     RP_TRY(sweep_table_open(t->tables, "scene.cfg", &f));
@@ -224,8 +224,7 @@ static rp_status go(trace *t, sweep_keep *keep)
     for (size_t k = 0; k < exp_phase_count(t->plan) && t->passes; k++)
         t->passes[k] = exp_phase_at(run, k).passes;
     while (!exp_done(run)) {
-        const long step = exp_sim(run) ? dem_step(exp_sim(run)) : 0,
-                   left = every > 0 ? every - step % every : PART;
+        const long step = exp_steps(run), left = every > 0 ? every - step % every : PART;
         RP_TRY(exp_advance(run, left < PART ? left : PART)); /* to the next row of energies */
         RP_TRY(note_phase(t, step));
         if (ends && exp_stages(run) != stages) RP_TRY(leave_ends(t, keep));

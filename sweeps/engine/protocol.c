@@ -44,7 +44,7 @@ rp_status sweep_table_close(sweep_file *file, rp_status keep)
     return status;
 }
 
-rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, const char *stage)
+rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, long step, const char *stage)
 {
     static const struct {
         const char *name;
@@ -56,7 +56,7 @@ rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, cons
         snprintf(name, sizeof name, "%s_%s.tsv", stage, list[i].name);
         RP_TRY(sweep_table_open(tables, name, &f));
         dem_write_columns(list[i].table, false, f.out);
-        RP_TRY(sweep_table_close(&f, dem_write_rows(list[i].table, sim, f.out)));
+        RP_TRY(sweep_table_close(&f, dem_write_rows(list[i].table, sim, step, f.out)));
     }
     return RP_OK;
 }

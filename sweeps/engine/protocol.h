@@ -93,7 +93,7 @@ rp_status sweep_table_close(sweep_file *file, rp_status status);
 
 /* Tables <stage>_grains.tsv, <stage>_contacts.tsv and <stage>_walls.tsv of the present state; none if
  * `tables` is NULL. */
-rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, const char *stage);
+rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, long step, const char *stage);
 
 /* Call `visit` with each choice and each flag of the schema at each of its other words, one at a time;
  * afterwards the parameters are as before. Stops at an error. */

@@ -104,7 +104,7 @@ static rp_status write_grains(const cli_call *call, const char *path, const dem_
     RP_TRY(rp_file_open(path, &out));
     cli_provenance(call, out);
     dem_write_columns(DEM_TABLE_STATES, false, out);
-    return rp_file_close(path, out, dem_write_rows(DEM_TABLE_STATES, sim, out));
+    return rp_file_close(path, out, dem_write_rows(DEM_TABLE_STATES, sim, dem_step(sim), out));
 }
 
 /* A fall from 2 W and the time to settle, both growing with the box. Large grains that fall from so high

@@ -186,7 +186,7 @@ static rp_status open_tables(scene_run *r)
     return RP_OK;
 }
 
-/* Steps so far; those of a simulation alone go back with it. */
+/* Steps so far, also in tables; those of a simulation alone go back with it. */
 static long steps_of(const scene_run *r)
 {
     return r->exp ? exp_steps(r->exp) : dem_step(r->sim);
@@ -199,7 +199,7 @@ static rp_status write_frame(const scene_run *r, bool stage, bool last)
     const long *every = r->plan.every, step = steps_of(r);
     for (int k = 0; k < CLI_GROWING; k++) {
         const bool due = every[k] && (last || stage || (every[k] > 0 && step % every[k] == 0));
-        if (due && table_of(r, k)) RP_TRY(dem_write_rows((dem_table)k, r->sim, table_of(r, k)));
+        if (due && table_of(r, k)) RP_TRY(dem_write_rows((dem_table)k, r->sim, step, table_of(r, k)));
     }
     return RP_OK;
 }

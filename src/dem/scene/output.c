@@ -13,7 +13,7 @@
 #define ROW(out, COLUMNS)    put_row(out, sizeof(double[]){COLUMNS(VALUE)}, (double[]){COLUMNS(VALUE)})
 
 /* clang-format off */
-#define NOW(X) X("step", dem_step(sim)) X("t [s]", dem_time(sim))
+#define NOW(X) X("step", step) X("t [s]", dem_time(sim))
 
 #define STATES(X) NOW(X) \
     X("id", p->id) X("x [cm]", p->x) X("y [cm]", p->y) X("angle [rad]", p->angle) \
@@ -60,7 +60,7 @@ void dem_write_columns(dem_table table, bool ledger, FILE *out)
     }
 }
 
-static rp_status write_states(const dem_sim *sim, FILE *out)
+static rp_status write_states(const dem_sim *sim, long step, FILE *out)
 {
     dem_state *states = malloc((dem_count(sim) + 1) * sizeof *states);
     if (!states) return rp_fail(RP_NO_MEMORY, "states: out of memory");
@@ -70,7 +70,7 @@ static rp_status write_states(const dem_sim *sim, FILE *out)
     return status;
 }
 
-static rp_status write_contacts(const dem_sim *sim, FILE *out)
+static rp_status write_contacts(const dem_sim *sim, long step, FILE *out)
 {
     dem_contact *contacts;
     size_t n;
@@ -80,7 +80,7 @@ static rp_status write_contacts(const dem_sim *sim, FILE *out)
     return status;
 }
 
-static void write_energy(const dem_sim *sim, FILE *out)
+static void write_energy(const dem_sim *sim, long step, FILE *out)
 {
     const double n = (double)dem_count(sim);
     dem_energy e;
@@ -92,11 +92,11 @@ static void write_energy(const dem_sim *sim, FILE *out)
         ROW(out, ENERGIES);
 }
 
-rp_status dem_write_rows(dem_table table, const dem_sim *sim, FILE *out)
+rp_status dem_write_rows(dem_table table, const dem_sim *sim, long step, FILE *out)
 {
-    if (table == DEM_TABLE_STATES) return write_states(sim, out);
-    if (table == DEM_TABLE_CONTACTS) return write_contacts(sim, out);
-    if (table == DEM_TABLE_ENERGY) return write_energy(sim, out), RP_OK;
+    if (table == DEM_TABLE_STATES) return write_states(sim, step, out);
+    if (table == DEM_TABLE_CONTACTS) return write_contacts(sim, step, out);
+    if (table == DEM_TABLE_ENERGY) return write_energy(sim, step, out), RP_OK;
     for (size_t k = 0; k < sim->def.n_walls; k++) {
         const dem_wall_state w = dem_wall_now(sim, k);
         ROW(out, WALLS);

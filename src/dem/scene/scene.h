@@ -77,14 +77,15 @@ typedef struct {
 } dem_scene_group;
 extern const dem_scene_group dem_scene_schemas[];
 
-/* Tables of a simulation's state, each row of a step at a time t. Of all grains: id x y angle vx vy omega fx
- * fy r m contacts fixed. Energies: grains kinetic elastic gravity kinetic_per_grain rotational (erg; gravity
- * from the origin; kinetic of translation alone, per grain of both); with a ledger all of dem_ledger. Of all
- * contacts: id_a id_b wall x y x_b y_b overlap normal_force shear_force shear_spring rolling_torque
- * rolling_spring. Of all walls, as dem_wall_now has them: wall x y direction_x direction_y from to fx fy. */
+/* Tables of a simulation's state, each row of a step, which the caller counts: an experiment's steps rise
+ * where its simulation goes back; and at a time t. Of all grains: id x y angle vx vy omega fx fy r m contacts
+ * fixed. Energies: grains kinetic elastic gravity kinetic_per_grain rotational (erg; gravity from the origin;
+ * kinetic of translation alone, per grain of both); with a ledger all of dem_ledger. Of all contacts: id_a
+ * id_b wall x y x_b y_b overlap normal_force shear_force shear_spring rolling_torque rolling_spring. Of all
+ * walls, as dem_wall_now has them: wall x y direction_x direction_y from to fx fy. */
 typedef enum { DEM_TABLE_STATES, DEM_TABLE_ENERGY, DEM_TABLE_CONTACTS, DEM_TABLE_WALLS } dem_table;
 void dem_write_columns(dem_table table, bool ledger, FILE *out);
-rp_status dem_write_rows(dem_table table, const dem_sim *sim, FILE *out); /* RP_NO_MEMORY */
+rp_status dem_write_rows(dem_table table, const dem_sim *sim, long step, FILE *out); /* RP_NO_MEMORY */
 
 /* Header lines on what the scene's numbers mean: dt against its limit and the contact time, restitution and
  * largest overlap of an impact at the start's fall height, the elastic modulus that k_n stands for. */
