@@ -1,9 +1,6 @@
 /* The program `report`: what two papers claim, what our tables say of each claim, and pages of both. */
-#include "cli/cli.h"
 #include "report/pages.h"
 
-#include <math.h>
-#include <stddef.h>
 #include <string.h>
 
 #define CLAIMS_OPTIONS(X)                                                                                    \

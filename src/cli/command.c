@@ -3,12 +3,10 @@
 #include "cli/cli.h"
 
 #include <fcntl.h>
-#include <gsl/gsl_errno.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/file.h"
 #include "core/version.h"
 #include "table/where.h"
 #include "export/export.h"

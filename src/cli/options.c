@@ -1,7 +1,6 @@
 /* Options of a command through its parameter schema, and its help; see cli.h. */
 #include <ctype.h>
 #include <getopt.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>

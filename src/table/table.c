@@ -2,7 +2,6 @@
 #include "table/table.h"
 
 #include <math.h>
-#include <stdbool.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,4 @@
 /* repose angle: marginal stability and tilt, (3) and (4), on the command line. */
-
 #include "angle/angle.h"
 #include "cli/derive/derive.h"
 

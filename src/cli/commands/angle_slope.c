@@ -1,6 +1,5 @@
 /* repose angle slope: the slope of a pile's surface. */
 #include <gsl/gsl_statistics_double.h>
-#include <string.h>
 
 #include "angle/angle.h"
 #include "cli/cli.h"

@@ -2,21 +2,16 @@
  * in the folder, which it goes on from. */
 #include <errno.h>
 #include <limits.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "cli/cli.h"
-
-#include "core/file.h"
 #include "core/folder.h"
 #include "core/version.h"
 #include "params/config.h"
 #include "params/expression.h"
-#include "params/units.h"
 #include "stats/identify.h"
-#include "stats/stats.h"
 
 #define CALIBRATE_OPTIONS(X)                                                                                 \
     X(REAL, theta_r_deg, "deg", "none", "(-90, 90) | none", "measured angle of repose, by method 3")         \

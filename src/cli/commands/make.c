@@ -1,9 +1,7 @@
 /* repose sweep make: the runs of a sweep file, and the tables that its settings derive from them. */
-#include <errno.h>
 #include <libgen.h>
 #include <string.h>
 
-#include "cli/cli.h"
 #include "cli/derive/derive.h"
 #include "cli/progress.h"
 #include "core/folder.h"

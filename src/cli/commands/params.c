@@ -1,18 +1,14 @@
 /* repose params: parameters and outputs of the protocols. */
-#include "core/arena.h"
-#include "params/expression.h"
-#include "params/units.h"
-#include "cli/cli.h"
-
 #include <ctype.h>
 #include <string.h>
 
-#include "params/guess.h"
-#include "core/file.h"
+#include "cli/cli.h"
 #include "dem/scene/text.h"
 #include "experiment/experiment.h"
+#include "params/expression.h"
+#include "params/guess.h"
+#include "params/units.h"
 #include "sweeps/engine/experiment.h"
-#include "sweeps/protocols/protocols.h"
 
 #define PARAMS_OPTIONS(X)                                                                                    \
     X(CHOICE, units, "", "cgs", RP_UNITS_WORDS, "system of the units and defaults shown")

@@ -1,10 +1,7 @@
 /* `repose run`: any scene from a file, with snapshots from which it resumes; or one run of a sweep again with
  * its tables. */
 #include <inttypes.h>
-#include <limits.h>
-#include <math.h>
 #include <signal.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -21,7 +18,6 @@
 #include "dem/scene/text.h"
 #include "experiment/experiment.h"
 #include "sweeps/engine/keep.h"
-#include "sweeps/protocols/protocols.h"
 
 #define RUN_OPTIONS(X)                                                                                       \
     X(TEXTS, set, "", "", "",                                                                                \

@@ -1,7 +1,5 @@
 /* `repose view`: pictures and animations of grains, walls and forces, drawn by gnuplot. */
 #include <errno.h>
-#include <math.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>

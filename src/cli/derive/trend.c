@@ -1,6 +1,4 @@
 /* repose stats trend, repose stats size: how a column of a table of runs depends on another. */
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "stats/stats.h"
