@@ -38,8 +38,7 @@ typedef struct {
 /* Argument number i, NULL beyond their end. */
 const char *cli_argument(const cli_call *call, int i);
 
-/* The value of an option, NULL where the command has none; whether it was given, which the command must have.
- */
+/* The value of an option, NULL where the command has none; whether one of its own was given. */
 void *cli_value(const cli_call *call, const char *name);
 bool cli_given(const cli_call *call, const char *name);
 

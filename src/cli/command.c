@@ -1,5 +1,4 @@
-/* From the words of a command line to the command, and the main function of a program of commands; see cli.h.
- */
+/* From the words of a command line to the command, and the main function of a program; see cli.h. */
 #include "cli/cli.h"
 
 #include <fcntl.h>

@@ -155,7 +155,7 @@ static rp_status find_command(const config_setting_t *setting, const cli_command
 
 static rp_status read_derive(making *m, const config_setting_t *setting)
 {
-#define X(name) " " #name
+#define X(group, name) " " #name
     static const char allowed[] = CLI_STATS(X) CLI_STRESS(X) CLI_ANGLE(X);
 #undef X
     const cli_command *const *const lists[] = {cmd_stats.group, cmd_stress.group, cmd_angle.group}, *command;

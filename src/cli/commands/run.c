@@ -188,8 +188,7 @@ static long steps_of(const scene_run *r)
     return r->exp ? exp_steps(r->exp) : dem_step(r->sim);
 }
 
-/* A frame of the tables whose turn it is at this step or at the end of a stage; `last`: of all that have any.
- */
+/* A frame of the tables whose turn it is at this step or at a stage's end; `last`: of all that have any. */
 static rp_status write_frame(const scene_run *r, bool stage, bool last)
 {
     const long *every = r->plan.every, step = steps_of(r);
@@ -769,13 +768,12 @@ const cli_command cmd_run = {
     "the other sign; rolling_torque acts on the first, rolling_spring is at the arm r_i r_j/(r_i + r_j). "
     "`repose params scene` lists the keys of a scene file. Tables of a run that was stopped or failed go to "
     "DIR/unfinished: only a whole result takes its place in DIR. A finished result is replaced with --force "
-    "alone; what the program "
-    "did not write there is never touched (DIR/.repose lists what it did). --dump lammps, xyz or vtk adds "
-    "DIR/run.lammpstrj, DIR/run.xyz or DIR/run.pvd, as `repose export` has them. The run ends with one line "
-    "on standard error: grains, steps, at rest or not (a mean kinetic energy below 1e-7 m g d, and forces "
-    "that balance to 1e-2 m g, by ten looks in the last 5000 steps), and theta_R by method 3 where the "
-    "surface at rest falls to one side by all three methods. The slope is measured from the standing wall to "
-    "the opened one, or over the whole pile if no wall opens.\n"
+    "alone; what the program did not write there is never touched (DIR/.repose lists what it did). --dump "
+    "lammps, xyz or vtk adds DIR/run.lammpstrj, DIR/run.xyz or DIR/run.pvd, as `repose export` has them. The "
+    "run ends with one line on standard error: grains, steps, at rest or not (a mean kinetic energy below "
+    "1e-7 m g d, and forces that balance to 1e-2 m g, by ten looks in the last 5000 steps), and theta_R by "
+    "method 3 where the surface at rest falls to one side by all three methods. The slope is measured from "
+    "the standing wall to the opened one, or over the whole pile if no wall opens.\n"
     "\n"
     "--snapshot N: the tables grow in DIR/unfinished, where a snapshot is written every N steps and at "
     "SIGINT, SIGTERM or SIGHUP. `repose run --resume DIR` continues after a stop, a kill or a power cut, and "

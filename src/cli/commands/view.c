@@ -12,8 +12,7 @@
       "picture (.png, .svg, .pdf) or animation (.gif, .mp4) to write; without it, a window opens")           \
     X(TEXT, frame, "", "auto", "",                                                                           \
       "last, all, the number of a frame from 0, step=N, or a phase, at whose end it is; auto: the last; "    \
-      "all for an "                                                                                          \
-      "animation")                                                                                           \
+      "all for an animation")                                                                                \
     X(TEXT, color, "", "", "", "column of the grains' table that colours the grains")                        \
     X(BOOL, stress, "", "false", "", "principal stresses as crosses; orange: tension")                       \
     X(BOOL, base, "", "false", "", "vertical force a unit length on the base, below the picture")            \
@@ -230,9 +229,8 @@ const cli_command cmd_view = {
     "experiment the ends of its phases), or of `repose pile -o`. TABLE: one of its tables of grains, or any "
     "table with columns x, y, r. Width and darkness of a line between two centres show the normal force; "
     "orange: tension. A fixed grain has a dark core. Gravity is not drawn: no table has it. Lengths and "
-    "forces have the units of the tables. All frames of an animation have one "
-    "scale: the widest line stands for a force that a quarter of the frames exceed. gnuplot draws the "
-    "pictures. An .mp4 file needs ffmpeg.",
+    "forces have the units of the tables. All frames of an animation have one scale: the widest line stands "
+    "for a force that a quarter of the frames exceed. gnuplot draws the pictures. An .mp4 file needs ffmpeg.",
     "repose view out -o pile.png --color contacts",
     view_params,
     .refuses = "A window without a screen: give -o. --frame all with a picture: give -o NAME.gif.\n"
