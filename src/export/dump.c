@@ -20,10 +20,10 @@ static void write_values(const export_run *run, size_t row, FILE *out)
 static void write_head(const export_run *run, size_t frame, const char *of, size_t n, FILE *out)
 {
     fprintf(out, "ITEM: TIME\n%s\nITEM: TIMESTEP\n%.0f\nITEM: NUMBER OF %s\n%zu\n",
-            EXPORT_SHORT(export_frame_time(run, frame)), export_frame_step(run, frame), of, n);
-    fprintf(out, "ITEM: BOX BOUNDS ff ff pp\n%s %s\n%s %s\n%s %s\n", EXPORT_SHORT(run->box[0][0]),
-            EXPORT_SHORT(run->box[0][1]), EXPORT_SHORT(run->box[1][0]), EXPORT_SHORT(run->box[1][1]),
-            EXPORT_SHORT(-run->largest), EXPORT_SHORT(run->largest));
+            RP_SHORT(export_frame_time(run, frame)), export_frame_step(run, frame), of, n);
+    fprintf(out, "ITEM: BOX BOUNDS ff ff pp\n%s %s\n%s %s\n%s %s\n", RP_SHORT(run->box[0][0]),
+            RP_SHORT(run->box[0][1]), RP_SHORT(run->box[1][0]), RP_SHORT(run->box[1][1]),
+            RP_SHORT(-run->largest), RP_SHORT(run->largest));
 }
 
 static rp_status write_grains(const export_run *run, const char *path)
@@ -84,7 +84,7 @@ rp_status export_xyz(const export_run *run, const char *path)
         fprintf(e.out, "%zu\nProperties=id:I:1:pos:R:3", end - first);
         for (size_t f = 0; f < run->n_fields; f++)
             fprintf(e.out, ":%s:R:%d", run->fields[f].xyz, run->fields[f].column[1] < 0 ? 1 : 3);
-        fprintf(e.out, " Time=%s step=%.0f pbc=\"F F F\"\n", EXPORT_SHORT(export_frame_time(run, k)),
+        fprintf(e.out, " Time=%s step=%.0f pbc=\"F F F\"\n", RP_SHORT(export_frame_time(run, k)),
                 export_frame_step(run, k));
         for (size_t i = first; i < end; i++) {
             export_frame_id(run, k, i, e.out);

@@ -7,9 +7,6 @@
 #include "params/params.h"
 #include "table/columns.h"
 
-/* The shortest text of a number that reads back to the same bits; it lives as long as the block. */
-#define EXPORT_SHORT(number) rp_number_text(number, 15, (char[32]){0}, 32)
-
 /* A file in the making ("-": standard output), compressed by zlib if its name ends in .gz. */
 typedef struct {
     const char *path;

@@ -73,6 +73,9 @@ rp_status rp_params_set_text(const rp_param *param, void *values, const char *te
  * `buffer`. */
 const char *rp_number_text(double v, int digits, char *buffer, size_t size);
 
+/* The same of at least 15 digits; it lives as long as the block. */
+#define RP_SHORT(number) rp_number_text(number, 15, (char[32]){0}, 32)
+
 /* Word number `index` of a list separated by "|" and blanks; empty past the end. Returns `buffer`. */
 const char *rp_word_at(const char *list, int index, char *buffer, size_t size);
 

@@ -57,11 +57,6 @@ void rp_tally_text(const rp_tally *t, char text[1024])
                                  t->of[i].times);
 }
 
-const char *rp_cell(const rp_table *table, size_t row, int column)
-{
-    return table->cells[row * table->n_columns + (size_t)column];
-}
-
 rp_status rp_column_list(const rp_table *table, const char *names, size_t most, size_t *n, int columns[])
 {
     char header[1024];
@@ -115,8 +110,7 @@ rp_status rp_table_one_step(const rp_table *table)
         if (strcmp(rp_cell(table, i, column), rp_cell(table, 0, column)) != 0)
             return rp_fail(RP_BAD_INPUT,
                            "%s:%zu: step = %s after %s: one step expected; choose it by --where step=N",
-                           table->places[i].path, table->places[i].line, rp_cell(table, i, column),
-                           rp_cell(table, 0, column));
+                           RP_PLACE(table, i), rp_cell(table, i, column), rp_cell(table, 0, column));
     return RP_OK;
 }
 

@@ -75,8 +75,8 @@ static rp_status choose_cell(const slope_options *o, const rp_table *t, const do
                        t->path);
     for (size_t i = 0; i < n; i++)
         if (!(r[i] > 0.0))
-            return rp_fail(RP_BAD_INPUT, "%s:%zu: r = %g: out of range, allowed: (0, inf)", t->places[i].path,
-                           t->places[i].line, r[i]);
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: r = %g: out of range, allowed: (0, inf)", RP_PLACE(t, i),
+                           r[i]);
     *origin = "mean diameter of the grains";
     *cell = 2.0 * gsl_stats_mean(r, 1, n);
     return RP_OK;

@@ -74,8 +74,7 @@ static double step_of_phase(rp_arena *arena, const char *folder, const char *pha
     if (access(path, R_OK) != 0 || rp_table_load(arena, path, &table)) return NAN;
     const int name = rp_table_column(table, "phase"), at = rp_table_column(table, "step");
     for (size_t k = 0; row && name >= 0 && at >= 0 && k < table->n_rows; k++)
-        if (strcmp(table->cells[k * table->n_columns + (size_t)name], phase) == 0)
-            rp_table_number(table, k, at, 1, &step);
+        if (strcmp(rp_cell(table, k, name), phase) == 0) rp_table_number(table, k, at, 1, &step);
     if (!row) note = rp_table_find_note(table, rp_text(arena, "phase %s", phase));
     if (note && (note = strstr(note, "to step "))) sscanf(note, "to step %lf", &step);
     return step;

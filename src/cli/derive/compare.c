@@ -69,12 +69,11 @@ static rp_status compare_table(cli_call *call, rp_table *table, const void *valu
     RP_TRY(rp_rows_read(call->arena, table, "mu,theta_r3_deg,theta_t_displacement_deg",
                         &(rp_choice){.grouped = true}, &piles));
     for (size_t i = 0; i < piles.n; i++) {
-        const rp_place *at = &table->places[piles.row[i]];
         for (int c = 1; c < 3; c++)
             if (!(fabs(piles.column[c][i]) < 90.0))
-                return rp_fail(RP_BAD_INPUT, "%s:%zu: %s = %g: out of range, allowed: (-90, 90)", at->path,
-                               at->line, c == 1 ? "theta_r3_deg" : "theta_t_displacement_deg",
-                               piles.column[c][i]);
+                return rp_fail(RP_BAD_INPUT, "%s:%zu: %s = %g: out of range, allowed: (-90, 90)",
+                               RP_PLACE(table, piles.row[i]),
+                               c == 1 ? "theta_r3_deg" : "theta_t_displacement_deg", piles.column[c][i]);
         piles.column[1][i] *= deg, piles.column[2][i] *= deg;
     }
     gsl_rng *rng = rp_random_in(call->arena, (unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);

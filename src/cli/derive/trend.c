@@ -58,7 +58,7 @@ static rp_status read_rows(rp_arena *arena, const rp_table *t, const trend_optio
         double *x = &r->of.column[0][i];
         if (o->scale != SCALE_LINEAR && !(*x > 0.0))
             return rp_fail(RP_BAD_INPUT, "%s:%zu: %s = %g: out of range of this scale, allowed: (0, inf)",
-                           t->places[r->of.row[i]].path, t->places[r->of.row[i]].line, o->x, *x);
+                           RP_PLACE(t, r->of.row[i]), o->x, *x);
         *x = o->scale == SCALE_LOG ? log10(*x) : o->scale == SCALE_INVERSE ? 1.0 / *x : *x;
     }
     return RP_OK;
