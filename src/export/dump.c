@@ -1,4 +1,4 @@
-/* Frames as LAMMPS dumps and as extended XYZ. */
+/* Frames as LAMMPS dumps and as extended XYZ, and the choice among all formats of grains; see export.h. */
 #include <string.h>
 
 #include "export/export.h"
@@ -67,7 +67,7 @@ static rp_status write_contacts(const export_run *run, const char *path)
     return export_close(&e, RP_OK);
 }
 
-rp_status export_dump(const export_run *run, const char *path)
+static rp_status write_dump(const export_run *run, const char *path)
 {
     rp_status status = write_grains(run, path);
     if (status || strcmp(path, "-") == 0 || !run->contacts.table) return status;
@@ -75,7 +75,7 @@ rp_status export_dump(const export_run *run, const char *path)
     return write_contacts(run, rp_text(run->arena, "%s.contacts%s", stem, path + strlen(stem)));
 }
 
-rp_status export_xyz(const export_run *run, const char *path)
+static rp_status write_xyz(const export_run *run, const char *path)
 {
     export_file e;
     RP_TRY(export_open(path, &e));
@@ -92,4 +92,30 @@ rp_status export_xyz(const export_run *run, const char *path)
         }
     }
     return export_close(&e, RP_OK);
+}
+
+static const struct {
+    rp_status (*write)(const export_run *run, const char *path);
+    const char *ending;
+} formats[] = {[EXPORT_LAMMPS] = {write_dump, "lammpstrj"},
+               [EXPORT_XYZ] = {write_xyz, "xyz"},
+               [EXPORT_VTK] = {export_vtk, "pvd"}};
+
+rp_status export_grains_of(rp_arena *arena, const char *source, rp_table *table, const char *columns,
+                           export_format format, const char *path)
+{
+    export_run run;
+    RP_TRY(export_run_read(arena, source, table, columns, &run));
+    return formats[format].write(&run, path);
+}
+
+rp_status export_folder(rp_arena *arena, const char *folder, export_format format)
+{
+    rp_table *table;
+    const char *states, *path;
+    if (format == EXPORT_NONE) return RP_OK;
+    RP_TRY(rp_path(arena, &states, "%s/states.tsv", folder));
+    RP_TRY(rp_path(arena, &path, "%s/run.%s", folder, formats[format].ending));
+    RP_TRY(rp_table_load(arena, states, &table));
+    return export_grains_of(arena, folder, table, "all", format, path);
 }

@@ -66,8 +66,6 @@ void export_frame_id(const export_run *run, size_t frame, size_t row, FILE *out)
 /* Writers. Errors: RP_IO, RP_BAD_INPUT, RP_NO_MEMORY. */
 rp_status export_csv(const rp_table *t, size_t n, const int columns[], FILE *out);
 rp_status export_json(const rp_table *t, size_t n, const int columns[], FILE *out);
-rp_status export_dump(const export_run *run, const char *path);
-rp_status export_xyz(const export_run *run, const char *path);
 rp_status export_vtk(const export_run *run, const char *path);
 
 /* The table NAME beside one of grains, DIR/NAME of DIR/states.tsv or DIR/disks.tsv, X_NAME of X_grains.tsv;

@@ -9,6 +9,7 @@
 
 #include "params/guess.h"
 #include "params/lets.h"
+#include "params/settings.h"
 #include "core/file.h"
 
 /* libconfig says "syntax error" and the line, no more: this is the line, and what a parameter file is. */
@@ -168,8 +169,8 @@ rp_status rp_config_value(const config_setting_t *setting, const rp_param *param
 {
     rp_value value;
     if (param->type == RP_TEXTS && (config_setting_is_list(setting) || config_setting_is_array(setting))) {
-        for (int i = 0; i < config_setting_length(setting); i++)
-            RP_TRY(rp_config_value(config_setting_get_elem(setting, (unsigned)i), param, values));
+        for (size_t i = 0; i < length(setting); i++)
+            RP_TRY(rp_config_value(element(setting, i), param, values));
         return RP_OK;
     }
     if (rp_config_scalar(setting, &value) != RP_OK)
@@ -193,9 +194,8 @@ rp_status rp_config_peek(const config_setting_t *group, const rp_param *schema, 
                          void *values)
 {
     for (; schema->name; schema++) {
-        const config_setting_t *setting = keys && rp_word_index(keys, schema->name) < 0
-                                              ? NULL
-                                              : config_setting_get_member(group, schema->name);
+        const config_setting_t *setting =
+            keys && rp_word_index(keys, schema->name) < 0 ? NULL : member(group, schema->name);
         if (setting) RP_TRY(rp_config_value(setting, schema, values));
     }
     return RP_OK;
@@ -207,8 +207,8 @@ rp_status rp_config_group(const config_setting_t *group, const rp_param *schema,
     if (!config_setting_is_group(group))
         return rp_config_fail(group, "%s: a group { ... } expected",
                               config_setting_name(group) ? config_setting_name(group) : "entry");
-    for (int i = 0; i < config_setting_length(group); i++) {
-        const config_setting_t *setting = config_setting_get_elem(group, (unsigned)i);
+    for (size_t i = 0; i < length(group); i++) {
+        const config_setting_t *setting = element(group, i);
         const char *name = config_setting_name(setting);
         if (rp_word_index(others, name) >= 0) continue;
         const rp_param *param = rp_params_find(schema, name);
@@ -216,7 +216,7 @@ rp_status rp_config_group(const config_setting_t *group, const rp_param *schema,
         RP_TRY(rp_config_value(setting, param, values));
     }
     for (; schema->name; schema++)
-        if (!schema->fallback && !config_setting_get_member(group, schema->name))
+        if (!schema->fallback && !member(group, schema->name))
             return rp_config_fail(group, "%s%s: missing (%s)", path_within(group), schema->name,
                                   schema->meaning);
     return RP_OK;
@@ -231,20 +231,19 @@ rp_status rp_config_numbers(const config_setting_t *setting, int n, bool finite,
         return rp_config_fail(setting, "%s%s: %s", path_within(setting), name, expected);
     for (int i = 0; i < n; i++) {
         rp_value value;
-        const config_setting_t *element = config_setting_get_elem(setting, (unsigned)i);
+        const config_setting_t *part = element(setting, (size_t)i);
         rp_x_symbol is = {0};
-        const bool read = rp_config_scalar(element, &value) == RP_OK;
-        rp_status status =
-            read && value.kind == RP_V_TEXT ? rp_lets_value(element, value.s, &is) : RP_NO_RESULT;
+        const bool read = rp_config_scalar(part, &value) == RP_OK;
+        rp_status status = read && value.kind == RP_V_TEXT ? rp_lets_value(part, value.s, &is) : RP_NO_RESULT;
         if (status && status != RP_NO_RESULT)
-            return rp_config_fail(element, "%s%s = \"%s\": %s", path_within(setting), name, value.s,
+            return rp_config_fail(part, "%s%s = \"%s\": %s", path_within(setting), name, value.s,
                                   rp_message());
         if (!read || value.kind == RP_V_BOOL ||
             (value.kind == RP_V_TEXT && (status || is.type != RP_X_NUMBER)))
-            return rp_config_fail(element, "%s%s: %s", path_within(setting), name, expected);
+            return rp_config_fail(part, "%s%s: %s", path_within(setting), name, expected);
         numbers[i] = !status ? is.value : value.kind == RP_V_INT ? (double)value.i : value.r;
         if (finite && !isfinite(numbers[i]))
-            return rp_config_fail(element, "%s%s: finite numbers expected", path_within(setting), name);
+            return rp_config_fail(part, "%s%s: finite numbers expected", path_within(setting), name);
     }
     return RP_OK;
 }
@@ -291,8 +290,8 @@ void rp_config_write_value(FILE *out, const config_setting_t *setting)
     }
     const bool named = config_setting_is_group(setting);
     fputs(named ? "{ " : "( ", out);
-    for (int i = 0; i < config_setting_length(setting); i++) {
-        const config_setting_t *part = config_setting_get_elem(setting, (unsigned)i);
+    for (size_t i = 0; i < length(setting); i++) {
+        const config_setting_t *part = element(setting, i);
         if (named) fprintf(out, "%s = ", config_setting_name(part));
         if (!named && i) fputs(", ", out);
         rp_config_write_value(out, part);

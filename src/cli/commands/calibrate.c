@@ -11,6 +11,7 @@
 #include "core/version.h"
 #include "params/config.h"
 #include "params/expression.h"
+#include "params/settings.h"
 #include "stats/identify.h"
 
 #define CALIBRATE_OPTIONS(X)                                                                                 \
@@ -57,8 +58,6 @@ typedef struct {
     stats_runs *runs;
 } problem;
 
-#define member(setting, name) config_setting_get_member(setting, name)
-
 /* ---- the file ---- */
 
 static rp_status read_fit(problem *s, const config_setting_t *fit)
@@ -70,7 +69,7 @@ static rp_status read_fit(problem *s, const config_setting_t *fit)
                    : rp_fail(RP_BAD_INPUT, "%s: fit: missing (what is to be found)", s->path);
     s->quest.n_names = (size_t)n;
     for (int i = 0; i < n; i++) {
-        const config_setting_t *range = config_setting_get_elem(fit, (unsigned)i);
+        const config_setting_t *range = element(fit, (size_t)i);
         double ends[2];
         s->name[i] = config_setting_name(range);
         RP_TRY(rp_config_pair(range, ends));
@@ -195,8 +194,7 @@ static rp_status read_file(problem *s)
                                      STATS_NUMBERS)
                     : rp_fail(RP_BAD_INPUT, "%s: measured: missing (the numbers)", s->path);
     s->quest.n_numbers = (size_t)n;
-    for (int k = 0; k < n; k++)
-        RP_TRY(read_measured(s, config_setting_get_elem(list, (unsigned)k), (size_t)k));
+    for (int k = 0; k < n; k++) RP_TRY(read_measured(s, element(list, (size_t)k), (size_t)k));
     for (size_t g = 0; g < s->quest.n_groups && s->quest.fixed_runs; g++)
         if (strcmp(s->group[g].kind, "runs") != 0)
             return rp_config_fail(list, "measured: numbers of tables and of experiments don't go together");
