@@ -64,6 +64,13 @@ typedef struct {
 rp_status rp_group_rows(rp_arena *arena, const rp_table *table, const char *by, char separator,
                         rp_groups *groups);
 
+/* The cells n_failed and failed_for: rows without a result among those that a row of a derived table reads,
+ * of this group (groups NULL: of all), with a number from range[0] to range[1] in column x (range NULL: any),
+ * and their causes, as in "no_pile:2,overlap:1", "-" for none. A table of grid points has both in columns. */
+#define RP_FAILED_COLUMNS "n_failed, failed_for"
+const char *rp_failed_text(rp_arena *arena, const rp_table *table, const rp_groups *groups, size_t group,
+                           const char *x, const double range[2]);
+
 /* Which rows count. Zero: those whose status, if there is such a column, starts with ok, and without nan. */
 typedef struct {
     bool any_status;

@@ -89,7 +89,7 @@ static rp_status slope_of_box(size_t n, const double *block, bool with_r, const 
     const ang_options options = {cell, (ang_height)o->height, (ang_empty)o->empty, (ang_parabola)o->parabola};
     const double *x = block, *y = block + n;
     double left = INFINITY, lowest = 0.0;
-    ang_surface s;
+    RP_ENDS(ang_surface_free) ang_surface s;
     rp_status status = ang_surface_make(n, x, y, with_r ? y + n : NULL, o->width, &options, &s);
     for (size_t i = 0; i < n; i++) {
         if (!(x[i] >= 0.0 && x[i] < o->width)) continue;
@@ -108,9 +108,7 @@ static rp_status slope_of_box(size_t n, const double *block, bool with_r, const 
               "flank; without --width the pile is found wherever it is\n",
               stderr);
     *pile = (ang_pile){.n = s.n_cells, .n_flanks = 1, .n_flank = {s.n_occupied}};
-    if (!status) status = ang_slopes(s.n, s.column, s.h, s.cell, options.parabola, pile->flank[0]);
-    ang_surface_free(&s);
-    return status;
+    return status ? status : ang_slopes(s.n, s.column, s.h, s.cell, options.parabola, pile->flank[0]);
 }
 
 static rp_status slope_of_table(cli_call *call, rp_table *table, const void *values)

@@ -28,7 +28,7 @@ static void print_compare_header(void)
         used += (size_t)snprintf(text + used, sizeof text - used, ", gain_relative_%s, gain_relative_%s_se",
                                  form, form);
     }
-    snprintf(text + used, sizeof text - used, ", " CLI_FAILED_COLUMNS ", status");
+    snprintf(text + used, sizeof text - used, ", " RP_FAILED_COLUMNS ", status");
     rp_table_header(stdout, text);
 }
 
@@ -88,7 +88,7 @@ static rp_status compare_table(cli_call *call, rp_table *table, const void *valu
         RP_TRY(rp_prefix(ang_compare(&of, o->phi_deg * deg, (size_t)o->bootstrap, rng, &c),
                          "%s: mu = %g: ", table->path, of.mu));
         print_comparison(call->arena, of.mu, &c,
-                         cli_failed(call->arena, table, NULL, 0, "mu", (double[]){of.mu, of.mu}));
+                         rp_failed_text(call->arena, table, NULL, 0, "mu", (double[]){of.mu, of.mu}));
     }
     return RP_OK;
 }

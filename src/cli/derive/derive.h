@@ -13,11 +13,4 @@
 #define CLI_ENTRY(group, name)   &cmd_##group##_##name,
 extern const cli_command CLI_STATS(CLI_DERIVED) CLI_STRESS(CLI_DERIVED) CLI_ANGLE(CLI_DERIVED) cmd_stats;
 
-/* The cells n_failed and failed_for: rows without a result among those that a row of a derived table reads,
- * of this group (groups NULL: of all), with a number from range[0] to range[1] in column x (range NULL: any),
- * and their causes, as in "no_pile:2,overlap:1", "-" for none. A table of grid points has both in columns. */
-#define CLI_FAILED_COLUMNS "n_failed, failed_for"
-const char *cli_failed(rp_arena *arena, const rp_table *table, const rp_groups *groups, size_t group,
-                       const char *x, const double range[2]);
-
 #endif

@@ -34,11 +34,11 @@ CLI_OPTIONS(size, SIZE_OPTIONS)
 #define TREND_COLUMNS                                                                                        \
     "n, n_left, n_x, x_from [x], x_to [x], slope [y/x], slope_se [y/x], dof, change [y], change_se [y], "    \
     "change_lo [y], change_hi [y], p_value, p_holm, bend [y/x^2], bend_se [y/x^2], p_bend, "                 \
-    "change_lo90 [y], change_hi90 [y], p_margin, pair [y], pair_se [y], p_pairs, " CLI_FAILED_COLUMNS        \
+    "change_lo90 [y], change_hi90 [y], p_margin, pair [y], pair_se [y], p_pairs, " RP_FAILED_COLUMNS         \
     ", verdict"
 #define SIZE_COLUMNS                                                                                         \
     "n, n_x, x_from [x], x_to [x], limit [y], limit_se [y], limit_lo [y], limit_hi [y], c [x y], "           \
-    "c_se [x y], c_lo [x y], c_hi [x y], p_value, p_holm, p_bend, " CLI_FAILED_COLUMNS ", status"
+    "c_se [x y], c_lo [x y], c_hi [x y], p_value, p_holm, p_bend, " RP_FAILED_COLUMNS ", status"
 
 /* The rows that count, with columns x, y and, where piles are compared, pile. */
 typedef struct {
@@ -137,7 +137,7 @@ static rp_status fit_groups(const cli_call *call, const rp_table *t, const rows 
     RP_TRY(rp_header_by(t, o->by, size ? SIZE_COLUMNS : TREND_COLUMNS));
     for (size_t g = 0; g < n_groups; g++) {
         if (*r->groups.words[g]) printf("%s\t", r->groups.words[g]);
-        const char *failed = cli_failed(call->arena, t, &r->groups, g, o->x, (double[]){o->from, o->to});
+        const char *failed = rp_failed_text(call->arena, t, &r->groups, g, o->x, (double[]){o->from, o->to});
         if (size)
             print_size(call->arena, &fits[g], p_holm[g], failed);
         else
