@@ -194,6 +194,12 @@ rp_status cli_claim_sweep(const char *directory, const char *file, bool force);
 static const double deg = M_PI / 180.0;
 #define N_OF(array) (sizeof(array) / sizeof *(array))
 
+/* The text of a cell, which is never empty: "-" for none. */
+static inline const char *cli_cell(const char *text)
+{
+    return text && *text ? text : "-";
+}
+
 /* One row of numbers, and one with a word in the last column. */
 #define CLI_NUMBERS(...)                                                                                     \
     sizeof((double[]){__VA_ARGS__}) / sizeof(double), (double[])                                             \

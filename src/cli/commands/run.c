@@ -361,7 +361,7 @@ static void write_measures(const scene_run *r, FILE *out)
     for (size_t k = 0; k < n; k++) {
         fprintf(out, "%s\t", o[k].name);
         rp_table_numbers(out, 1, &exp_values(r->exp)[k]);
-        fprintf(out, "\t%s\t%s\n", *o[k].unit ? o[k].unit : "-", o[k].meaning);
+        fprintf(out, "\t%s\t%s\n", cli_cell(o[k].unit), o[k].meaning);
     }
 }
 
@@ -570,15 +570,14 @@ static rp_status read_text(const char *path, scene_run *r)
 static void name_run(const char *path, scene_run *r)
 {
     const long *every = r->plan.every;
-    char key[33], length[32] = "phases", frames[200] = "the last frame";
-    bool equal = true;
-    for (int k = 1; k < CLI_GROWING; k++) equal &= every[k] == every[0];
+    rp_arena *arena = r->of.call.arena;
+    const char *frames = *every > 0 ? rp_text(arena, "a frame each %ld", *every) : "the last frame",
+               *length = r->phases ? "phases" : rp_text(arena, "%ld steps", r->plan.steps);
+    char key[33];
     rp_hash_digits(r->plan.scene, key);
-    if (equal && *every > 0) snprintf(frames, sizeof frames, "a frame each %ld", *every);
-    if (!equal)
-        snprintf(frames, sizeof frames, "frames each %ld (states), %ld (energy), %ld (contacts), %ld (walls)",
-                 every[STATES], every[ENERGY], every[CONTACTS], every[WALLS]);
-    if (!r->phases) snprintf(length, sizeof length, "%ld steps", r->plan.steps);
+    if (every[ENERGY] != *every || every[CONTACTS] != *every || every[WALLS] != *every)
+        frames = rp_text(arena, "frames each %ld (states), %ld (energy), %ld (contacts), %ld (walls)",
+                         every[STATES], every[ENERGY], every[CONTACTS], every[WALLS]);
     snprintf(r->of.run, sizeof r->of.run, "%.400s, %s, %s, key %s", path, length, frames, key);
 }
 

@@ -35,11 +35,9 @@ static rp_status print_correlations(rp_arena *arena, const rp_table *table, cons
 static rp_status correlation_of_table(cli_call *call, rp_table *table, const void *values)
 {
     const correlation_options *o = values;
-    const size_t size = strlen(o->x) + strlen(o->y) + 2;
-    char *names = rp_arena_memory(call->arena, size, 1), *rest = names;
+    char *names = rp_text(call->arena, "%s,%s", o->y, o->x), *rest = names;
     rp_groups groups;
     rp_rows rows;
-    snprintf(names, size, "%s,%s", o->y, o->x);
     RP_TRY(rp_group_rows(call->arena, table, o->by, '\t', &groups));
     RP_TRY(rp_rows_read(call->arena, table, names, &(rp_choice){.groups = &groups}, &rows));
     cli_table(call, stdout);

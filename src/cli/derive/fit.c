@@ -55,11 +55,11 @@ static rp_status fit_table(cli_call *call, rp_table *table, const void *values)
     const fit_options *o = values;
     const bool weighted = strcmp(o->se, "none") != 0, logarithms = o->scale == SCALE_LOG;
     const rp_choice choice = {.any_status = true, .range = (double[]){o->from, o->to}};
-    char names[512];
     rp_rows rows;
     if (logarithms && weighted)
         return rp_fail(RP_USAGE, "--scale log takes no --se: give one of them; see repose stats fit --help");
-    snprintf(names, sizeof names, weighted ? "%s,%s,%s" : "%s,%s", o->x, o->y, o->se);
+    const char *names =
+        rp_text(call->arena, "%s,%s%s%s", o->x, o->y, weighted ? "," : "", weighted ? o->se : "");
     RP_TRY(rp_rows_read(call->arena, table, names, &choice, &rows));
     double *x = rows.column[0], *y = rows.column[1];
     double range[2];

@@ -50,8 +50,7 @@ typedef struct {
 static rp_status read_rows(rp_arena *arena, const rp_table *t, const trend_options *o, rows *r)
 {
     const rp_choice choice = {.range = (double[]){o->from, o->to}, .groups = &r->groups};
-    char names[512];
-    snprintf(names, sizeof names, "%s,%s%s", o->x, o->y, o->pair ? ",pile" : "");
+    const char *names = rp_text(arena, "%s,%s%s", o->x, o->y, o->pair ? ",pile" : "");
     RP_TRY(rp_group_rows(arena, t, o->by, '\t', &r->groups));
     RP_TRY(rp_rows_read(arena, t, names, &choice, &r->of));
     for (size_t i = 0; i < r->of.n; i++) {
