@@ -175,9 +175,8 @@ static rp_status draw(rp_arena *arena, const picture *p, const view_options *o, 
 /* ffmpeg makes a film of the pictures that gnuplot writes. */
 static rp_status film(rp_arena *arena, const picture *p, const view_options *o, FILE *out)
 {
-    char rate[32], path[64];
-    snprintf(rate, sizeof rate, "%g", o->fps);
-    snprintf(path, sizeof path, "/proc/%d/fd/%d", (int)getpid(), fileno(out));
+    char *const rate = rp_text(arena, "%g", o->fps), *const path = rp_text(arena, "/proc/%d/fd/%d",
+                                                                           (int)getpid(), fileno(out));
     char *const arguments[] = {
         "ffmpeg",   "-loglevel", "error", "-y",  "-f", "image2pipe", "-framerate",
         rate,       "-c:v",      "png",   "-i",  "-",  "-vf",        "pad=ceil(iw/2)*2:ceil(ih/2)*2",
