@@ -33,7 +33,7 @@ static const double NORMAL_90 = 1.6448536269514722; /* half of a 90 % interval, 
 static const char *text_of(const rp_table *t, size_t row, const char *name)
 {
     const int column = rp_table_column(t, name);
-    const char *text = column < 0 ? "" : t->cells[row * t->n_columns + (size_t)column];
+    const char *text = column < 0 ? "" : rp_cell(t, row, column);
     return strcmp(text, "-") == 0 ? "" : text;
 }
 
@@ -120,8 +120,7 @@ rp_status report_claims_read(rp_arena *arena, const char *path, report_claims *c
     for (int k = 0; k < columns.n; k++) RP_TRY(rp_table_find(t, columns.word[k], expected, &(int){0}));
     *claims = (report_claims){t, rp_arena_memory(arena, t->n_rows, sizeof *claims->claims), 0};
     for (size_t row = 0; row < t->n_rows; row++, claims->n++)
-        RP_TRY(rp_prefix(read_claim(arena, claims, row, &claims->claims[row]),
-                         "%s:%zu: ", t->places[row].path, t->places[row].line));
+        RP_TRY(rp_prefix(read_claim(arena, claims, row, &claims->claims[row]), "%s:%zu: ", RP_PLACE(t, row)));
     return RP_OK;
 }
 

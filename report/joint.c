@@ -1,9 +1,6 @@
 /* The command `joint`: several published numbers together, against each choice that a paper leaves open. */
-#include "cli/cli.h"
 #include "report/pages.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define JOINT_OPTIONS(X)                                                                                     \

@@ -1,9 +1,6 @@
 /* The program `report`: what two papers claim, what our tables say of each claim, and pages of both. */
-#include "cli/cli.h"
 #include "report/pages.h"
 
-#include <math.h>
-#include <stddef.h>
 #include <string.h>
 
 #define CLAIMS_OPTIONS(X)                                                                                    \
@@ -29,12 +26,6 @@ static bool is_asked_for(const report_claim *c, const claims_options *o)
     return o->variants || !*c->of;
 }
 
-/* A cell is never empty. */
-static const char *or_dash(const char *text)
-{
-    return *text ? text : "-";
-}
-
 static void print_verdicts(rp_arena *arena, const report_claims *all, const report_judged judged[],
                            const claims_options *o)
 {
@@ -45,11 +36,11 @@ static void print_verdicts(rp_arena *arena, const report_claims *all, const repo
         const report_claim *c = &all->claims[i];
         const report_judged *j = &judged[i];
         if (!is_asked_for(c, o)) continue;
-        printf("%s\t%s\t%s\t%s\t%s\t%s\t%g\t%s\t%s\t", c->id, c->paper, or_dash(c->place), c->statement,
-               c->test, or_dash(report_published(arena, c)), c->samples, or_dash(c->answer),
-               or_dash(j->text));
-        printf("%g\t%.3g\t%s\t%s\t%s\t%s\n", fabs(j->ours.n), j->z, or_dash(c->fixed), j->word,
-               or_dash(j->note), or_dash(j->failed));
+        printf("%s\t%s\t%s\t%s\t%s\t%s\t%g\t%s\t%s\t", c->id, c->paper, cli_cell(c->place), c->statement,
+               c->test, cli_cell(report_published(arena, c)), c->samples, cli_cell(c->answer),
+               cli_cell(j->text));
+        printf("%g\t%.3g\t%s\t%s\t%s\t%s\n", fabs(j->ours.n), j->z, cli_cell(c->fixed), j->word,
+               cli_cell(j->note), cli_cell(j->failed));
     }
 }
 

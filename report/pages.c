@@ -1,13 +1,9 @@
 /* `report page`: a text whose numbers and verdicts come from tables and claims; see the help below. */
 #include "report/pages.h"
 
-#include <math.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include "core/file.h"
 
 #define PAGE_OPTIONS(X)                                                                                      \
     REPORT_OPTIONS(X)                                                                                        \

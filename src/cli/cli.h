@@ -38,8 +38,7 @@ typedef struct {
 /* Argument number i, NULL beyond their end. */
 const char *cli_argument(const cli_call *call, int i);
 
-/* The value of an option, NULL where the command has none; whether it was given, which the command must have.
- */
+/* The value of an option, NULL where the command has none; whether one of its own was given. */
 void *cli_value(const cli_call *call, const char *name);
 bool cli_given(const cli_call *call, const char *name);
 
@@ -159,9 +158,9 @@ int cli_main(const cli_program *program, int argc, char **argv);
 /* The program `repose`. */
 extern const cli_program cli_repose;
 
-/* The text of an option in help, meaning, unit, range and default; returns `text`. What stands before its
- * name: one dash before a letter, else two. The last word of a command's name, the one to type. */
-const char *cli_option_text(const rp_param *option, char *text, size_t size);
+/* The text of an option in help, meaning, unit, range and default. What stands before its name: one dash
+ * before a letter, else two. The last word of a command's name, the one to type. */
+const char *cli_option_text(rp_arena *arena, const rp_param *option);
 const char *cli_dashes(const rp_param *option);
 const char *cli_own_name(const cli_command *command);
 
@@ -194,6 +193,12 @@ rp_status cli_claim_sweep(const char *directory, const char *file, bool force);
 /* One degree in radians, and the number of an array's elements. */
 static const double deg = M_PI / 180.0;
 #define N_OF(array) (sizeof(array) / sizeof *(array))
+
+/* The text of a cell, which is never empty: "-" for none. */
+static inline const char *cli_cell(const char *text)
+{
+    return text && *text ? text : "-";
+}
 
 /* One row of numbers, and one with a word in the last column. */
 #define CLI_NUMBERS(...)                                                                                     \

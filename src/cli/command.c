@@ -1,14 +1,11 @@
-/* From the words of a command line to the command, and the main function of a program of commands; see cli.h.
- */
+/* From the words of a command line to the command, and the main function of a program; see cli.h. */
 #include "cli/cli.h"
 
 #include <fcntl.h>
-#include <gsl/gsl_errno.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/file.h"
 #include "core/version.h"
 #include "table/where.h"
 #include "export/export.h"
@@ -69,11 +66,11 @@ void cli_sources(cli_call *call, const rp_table *table)
 /* The tables of all arguments as one. */
 static rp_status read_tables(const cli_call *call, rp_table **table)
 {
-    RP_TRY(rp_table_load(call->arena, cli_data(call->arena, cli_argument(call, 0)), table));
-    for (int i = 1; i < call->n_arguments; i++) {
-        rp_table *more;
-        RP_TRY(rp_table_load(call->arena, cli_data(call->arena, cli_argument(call, i)), &more));
-        RP_TRY(rp_table_append(*table, more));
+    rp_table *next;
+    for (int i = 0; i < call->n_arguments; i++) {
+        RP_TRY(rp_table_load(call->arena, cli_data(call->arena, cli_argument(call, i)), &next));
+        if (*table) RP_TRY(rp_table_append(*table, next));
+        if (!*table) *table = next;
     }
     return RP_OK;
 }

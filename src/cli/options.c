@@ -1,7 +1,6 @@
 /* Options of a command through its parameter schema, and its help; see cli.h. */
 #include <ctype.h>
 #include <getopt.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
@@ -15,15 +14,14 @@ const char *cli_dashes(const rp_param *option)
     return strlen(option->name) == 1 ? "-" : "--";
 }
 
-const char *cli_option_text(const rp_param *p, char *text, size_t size)
+const char *cli_option_text(rp_arena *arena, const rp_param *p)
 {
     const char *separator = p->range && *p->range ? "; " : "", *open = "", *close = "";
     const bool known = p->fallback && *p->fallback && p->type != RP_BOOL;
     if (known) open = " (default ", close = ")";
     if (!p->fallback) open = " (required)";
-    snprintf(text, size, "%s%s%s%s%s%s%s%s", p->meaning, *p->unit ? ", " : "", p->unit, separator,
-             *separator ? p->range : "", open, known ? p->fallback : "", close);
-    return text;
+    return rp_text(arena, "%s%s%s%s%s%s%s%s", p->meaning, *p->unit ? ", " : "", p->unit, separator,
+                   *separator ? p->range : "", open, known ? p->fallback : "", close);
 }
 
 const char *cli_own_name(const cli_command *c)
@@ -97,10 +95,8 @@ static void print_help(const cli_call *call)
     print_about(c->about);
     puts("\noptions:");
     for (const rp_param *p = call->options; p->name; p++) {
-        char flag[40], text[1024];
-        snprintf(flag, sizeof flag, "%s%s", cli_dashes(p), p->name);
-        printf("  %-22s ", flag);
-        cli_option_text(p, text, sizeof text);
+        const char *text = cli_option_text(call->arena, p);
+        printf("  %-22s ", rp_text(call->arena, "%s%s", cli_dashes(p), p->name));
         print_words(text, strlen(text), 25, 25);
         putchar('\n');
     }

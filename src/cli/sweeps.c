@@ -5,7 +5,6 @@
 
 #include "cli/cli.h"
 #include "cli/progress.h"
-#include "params/config.h"
 
 rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, sweep_counts *counts)
 {

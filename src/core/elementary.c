@@ -3,8 +3,7 @@
 
 #include <math.h>
 
-/* The number high + low, |low| at most half a unit in the last place of high. Dekker 1971, Numer. Math. 18.
- */
+/* high + low, |low| at most half a unit in the last place of high. Dekker 1971, Numer. Math. 18. */
 typedef struct {
     double high, low;
 } pair;

@@ -34,8 +34,7 @@ typedef struct {
 
 /* Open a folder and read its marker; enter: lock it too. rp_folder_close follows, also after an error.
  * Errors: RP_IO (also: locked by another process), RP_BAD_INPUT (a file .repose that is no marker; entered:
- * the folder "unfinished" of a run),
- * RP_NO_MEMORY. */
+ * the folder "unfinished" of a run), RP_NO_MEMORY. */
 rp_status rp_folder_open(const char *path, rp_folder *f);
 rp_status rp_folder_enter(const char *path, rp_folder *f);
 void rp_folder_close(rp_folder *f);
@@ -46,9 +45,7 @@ rp_own *rp_folder_find(const rp_folder *f, const char *name, char act);
 rp_status rp_folder_list(rp_folder *f, const char *name, char act);
 rp_status rp_folder_write(rp_folder *f);
 
-/* Nothing is in it but a marker. The start, the end or the signature of a file shows that the program wrote
- * it.
- */
+/* Only a marker is in it. The start, end or signature of a file shows that the program wrote it. */
 bool rp_folder_empty(const rp_folder *f);
 bool rp_folder_shows(const rp_folder *f, const char *name);
 

@@ -3,7 +3,6 @@
 
 #include <Random123/philox.h>
 #include <math.h>
-#include <stdbool.h>
 #include <stdint.h>
 
 typedef struct {

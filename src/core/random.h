@@ -37,8 +37,7 @@ bool rp_random_is_whole(const gsl_rng *r);
 /* Normal deviate of the given mean and standard deviation `width`, drawn again until it lies in [lo, hi], lo
  * < hi. Only + - * / are used, so that every processor and C library gives the same bits: a uniform proposal
  * accepted with probability exp(-z^2/2) by von Neumann's comparison method (Forsythe 1972). The distribution
- * is truncated at 8 standard deviations: NaN where lo or hi leaves nothing of it. width = 0 gives the mean.
- */
+ * ends at 8 standard deviations: NaN where lo or hi leaves nothing of it. width = 0 gives the mean. */
 double rp_random_cut_normal(gsl_rng *r, double mean, double width, double lo, double hi);
 
 RP_C_END

@@ -5,7 +5,6 @@
 #include "core/sparse.h"
 
 #include <math.h>
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -199,8 +198,7 @@ static void read_pivots(const rp_stiffness *m, rp_pivots *pivots)
     if (m->L->minor < m->L->n) *pivots = (rp_pivots){pivots->negative, 0, (size_t)order[m->L->minor] / 2};
 }
 
-/* Supernodal L L', converted to L D L'; false if the matrix is not positive, or out of memory.
- */
+/* Supernodal L L', converted to L D L'; false if the matrix is not positive, or out of memory. */
 static bool factorise_by_supernodes(rp_stiffness *m)
 {
     cholmod_common *c = &m->common;

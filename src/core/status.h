@@ -47,8 +47,7 @@ rp_status rp_fail(rp_status status, const char *format, ...) __attribute__((form
 /* Of a variable: when its block is left, by whatever way, `end` is called with its address. */
 #define RP_ENDS(end) __attribute__((cleanup(end)))
 
-/* Prepend a prefix such as "file:line: " to the last recorded message, unless `status` is RP_OK; returns it.
- */
+/* Prepend a prefix such as "file:line: " to the last message, unless `status`, which it returns, is RP_OK. */
 rp_status rp_prefix(rp_status status, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* RP_OK where lo <= value <= hi, else RP_BAD_INPUT with the range that is `allowed`. DBL_MIN and DBL_MAX

@@ -1,4 +1,4 @@
-/* Frames as LAMMPS dumps and as extended XYZ. */
+/* Frames as LAMMPS dumps and as extended XYZ, and the choice among all formats of grains; see export.h. */
 #include <string.h>
 
 #include "export/export.h"
@@ -20,10 +20,10 @@ static void write_values(const export_run *run, size_t row, FILE *out)
 static void write_head(const export_run *run, size_t frame, const char *of, size_t n, FILE *out)
 {
     fprintf(out, "ITEM: TIME\n%s\nITEM: TIMESTEP\n%.0f\nITEM: NUMBER OF %s\n%zu\n",
-            EXPORT_SHORT(export_frame_time(run, frame)), export_frame_step(run, frame), of, n);
-    fprintf(out, "ITEM: BOX BOUNDS ff ff pp\n%s %s\n%s %s\n%s %s\n", EXPORT_SHORT(run->box[0][0]),
-            EXPORT_SHORT(run->box[0][1]), EXPORT_SHORT(run->box[1][0]), EXPORT_SHORT(run->box[1][1]),
-            EXPORT_SHORT(-run->largest), EXPORT_SHORT(run->largest));
+            RP_SHORT(export_frame_time(run, frame)), export_frame_step(run, frame), of, n);
+    fprintf(out, "ITEM: BOX BOUNDS ff ff pp\n%s %s\n%s %s\n%s %s\n", RP_SHORT(run->box[0][0]),
+            RP_SHORT(run->box[0][1]), RP_SHORT(run->box[1][0]), RP_SHORT(run->box[1][1]),
+            RP_SHORT(-run->largest), RP_SHORT(run->largest));
 }
 
 static rp_status write_grains(const export_run *run, const char *path)
@@ -67,7 +67,7 @@ static rp_status write_contacts(const export_run *run, const char *path)
     return export_close(&e, RP_OK);
 }
 
-rp_status export_dump(const export_run *run, const char *path)
+static rp_status write_dump(const export_run *run, const char *path)
 {
     rp_status status = write_grains(run, path);
     if (status || strcmp(path, "-") == 0 || !run->contacts.table) return status;
@@ -75,7 +75,7 @@ rp_status export_dump(const export_run *run, const char *path)
     return write_contacts(run, rp_text(run->arena, "%s.contacts%s", stem, path + strlen(stem)));
 }
 
-rp_status export_xyz(const export_run *run, const char *path)
+static rp_status write_xyz(const export_run *run, const char *path)
 {
     export_file e;
     RP_TRY(export_open(path, &e));
@@ -84,7 +84,7 @@ rp_status export_xyz(const export_run *run, const char *path)
         fprintf(e.out, "%zu\nProperties=id:I:1:pos:R:3", end - first);
         for (size_t f = 0; f < run->n_fields; f++)
             fprintf(e.out, ":%s:R:%d", run->fields[f].xyz, run->fields[f].column[1] < 0 ? 1 : 3);
-        fprintf(e.out, " Time=%s step=%.0f pbc=\"F F F\"\n", EXPORT_SHORT(export_frame_time(run, k)),
+        fprintf(e.out, " Time=%s step=%.0f pbc=\"F F F\"\n", RP_SHORT(export_frame_time(run, k)),
                 export_frame_step(run, k));
         for (size_t i = first; i < end; i++) {
             export_frame_id(run, k, i, e.out);
@@ -92,4 +92,30 @@ rp_status export_xyz(const export_run *run, const char *path)
         }
     }
     return export_close(&e, RP_OK);
+}
+
+static const struct {
+    rp_status (*write)(const export_run *run, const char *path);
+    const char *ending;
+} formats[] = {[EXPORT_LAMMPS] = {write_dump, "lammpstrj"},
+               [EXPORT_XYZ] = {write_xyz, "xyz"},
+               [EXPORT_VTK] = {export_vtk, "pvd"}};
+
+rp_status export_grains_of(rp_arena *arena, const char *source, rp_table *table, const char *columns,
+                           export_format format, const char *path)
+{
+    export_run run;
+    RP_TRY(export_run_read(arena, source, table, columns, &run));
+    return formats[format].write(&run, path);
+}
+
+rp_status export_folder(rp_arena *arena, const char *folder, export_format format)
+{
+    rp_table *table;
+    const char *states, *path;
+    if (format == EXPORT_NONE) return RP_OK;
+    RP_TRY(rp_path(arena, &states, "%s/states.tsv", folder));
+    RP_TRY(rp_path(arena, &path, "%s/run.%s", folder, formats[format].ending));
+    RP_TRY(rp_table_load(arena, states, &table));
+    return export_grains_of(arena, folder, table, "all", format, path);
 }

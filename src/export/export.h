@@ -7,9 +7,6 @@
 #include "params/params.h"
 #include "table/columns.h"
 
-/* The shortest text of a number that reads back to the same bits; it lives as long as the block. */
-#define EXPORT_SHORT(number) rp_number_text(number, 15, (char[32]){0}, 32)
-
 /* A file in the making ("-": standard output), compressed by zlib if its name ends in .gz. */
 typedef struct {
     const char *path;
@@ -71,8 +68,6 @@ void export_frame_id(const export_run *run, size_t frame, size_t row, FILE *out)
 /* Writers. Errors: RP_IO, RP_BAD_INPUT, RP_NO_MEMORY. */
 rp_status export_csv(const rp_table *t, size_t n, const int columns[], FILE *out);
 rp_status export_json(const rp_table *t, size_t n, const int columns[], FILE *out);
-rp_status export_dump(const export_run *run, const char *path);
-rp_status export_xyz(const export_run *run, const char *path);
 rp_status export_vtk(const export_run *run, const char *path);
 
 /* The table NAME beside one of grains, DIR/NAME of DIR/states.tsv or DIR/disks.tsv, X_NAME of X_grains.tsv;

@@ -133,8 +133,8 @@ static rp_status find_frames(rp_arena *arena, rp_table *table, export_frames *f)
     export_split(arena, table->n_rows, step, t, f);
     for (size_t k = 1; k < f->n; k++)
         if (f->steps[k] < f->steps[k - 1])
-            return rp_fail(RP_BAD_INPUT, "%s:%zu: step %.0f after step %.0f", table->places[f->first[k]].path,
-                           table->places[f->first[k]].line, f->steps[k], f->steps[k - 1]);
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: step %.0f after step %.0f", RP_PLACE(table, f->first[k]),
+                           f->steps[k], f->steps[k - 1]);
     return RP_OK;
 }
 

@@ -167,20 +167,20 @@ static void write_data(const lammps_scene *s, const char *scene, FILE *out)
 {
     fprintf(out, "# %s, written by repose export; columns: id type diameter density x y z\n\n", scene);
     fprintf(out, "%zu atoms\n%zu atom types\n", s->n, s->n_types);
-    fprintf(out, "%s %s xlo xhi\n%s %s ylo yhi\n%s %s zlo zhi\n\nAtoms # sphere\n\n",
-            EXPORT_SHORT(s->box[0][0]), EXPORT_SHORT(s->box[0][1]), EXPORT_SHORT(s->box[1][0]),
-            EXPORT_SHORT(s->box[1][1]), EXPORT_SHORT(-s->largest), EXPORT_SHORT(s->largest));
+    fprintf(out, "%s %s xlo xhi\n%s %s ylo yhi\n%s %s zlo zhi\n\nAtoms # sphere\n\n", RP_SHORT(s->box[0][0]),
+            RP_SHORT(s->box[0][1]), RP_SHORT(s->box[1][0]), RP_SHORT(s->box[1][1]), RP_SHORT(-s->largest),
+            RP_SHORT(s->largest));
     for (size_t i = 0; i < s->n; i++) {
         const dem_state *p = &s->grains[i];
         size_t type = 0;
         while (type + 1 < s->n_types && s->radius[type] != p->r) type++;
-        fprintf(out, "%u %zu %s %s %s %s 0\n", p->id, type + 1, EXPORT_SHORT(2.0 * p->r),
-                EXPORT_SHORT(p->m / dem_mass(DEM_SPHERE, 1.0, p->r)), EXPORT_SHORT(p->x), EXPORT_SHORT(p->y));
+        fprintf(out, "%u %zu %s %s %s %s 0\n", p->id, type + 1, RP_SHORT(2.0 * p->r),
+                RP_SHORT(p->m / dem_mass(DEM_SPHERE, 1.0, p->r)), RP_SHORT(p->x), RP_SHORT(p->y));
     }
     fputs("\nVelocities\n\n", out);
     for (size_t i = 0; i < s->n; i++)
-        fprintf(out, "%u %s %s 0 0 0 %s\n", s->grains[i].id, EXPORT_SHORT(s->grains[i].vx),
-                EXPORT_SHORT(s->grains[i].vy), EXPORT_SHORT(s->grains[i].omega));
+        fprintf(out, "%u %s %s 0 0 0 %s\n", s->grains[i].id, RP_SHORT(s->grains[i].vx),
+                RP_SHORT(s->grains[i].vy), RP_SHORT(s->grains[i].omega));
 }
 
 /* LAMMPS takes Tsuji's damping from a restitution, by a polynomial of its manual: where that is gamma_n. */
@@ -201,12 +201,12 @@ static void write_law(const dem_definition *def, const dem_material *m, double r
     const double part = m->gamma_n > 0.0 ? m->gamma_s / m->gamma_n : 0.0,
                  damping = mindlin ? part * sqrt(m->k_s / m->k_n) : part;
     fprintf(out, "%s %s %s tangential %s", law->lammps,
-            EXPORT_SHORT(law->lammps_by_radius ? m->k_n / sqrt(r_eff) : m->k_n),
-            EXPORT_SHORT(tsuji(def, m) ? tsuji_restitution(m->gamma_n) : m->gamma_n),
+            RP_SHORT(law->lammps_by_radius ? m->k_n / sqrt(r_eff) : m->k_n),
+            RP_SHORT(tsuji(def, m) ? tsuji_restitution(m->gamma_n) : m->gamma_n),
             dem_tangential_descriptors[def->tangential].lammps);
-    if (dem_has_spring(def->tangential)) fprintf(out, " %s", EXPORT_SHORT(m->k_s));
+    if (dem_has_spring(def->tangential)) fprintf(out, " %s", RP_SHORT(m->k_s));
     if (dem_has_friction(def->tangential))
-        fprintf(out, " %s %s", EXPORT_SHORT(damping), EXPORT_SHORT(m->mu));
+        fprintf(out, " %s %s", RP_SHORT(damping), RP_SHORT(m->mu));
     else
         fputs(" 0 0", out);
     fprintf(out, " damping %s%s", tsuji(def, m) ? law->lammps_damping : "mass_velocity",
@@ -257,9 +257,8 @@ static void write_walls(const lammps_scene *s, FILE *out)
         fprintf(out, "group type%zu type %zu\n", k + 1, k + 1);
     for (size_t w = 0; w < def->n_walls; w++) {
         const dem_wall *wall = &dem_walls_of(def)[w];
-        fprintf(out, "region wall%zu plane %s %s 0 %s %s 0\n", w + 1, EXPORT_SHORT(wall->point[0]),
-                EXPORT_SHORT(wall->point[1]), EXPORT_SHORT(wall->direction[0]),
-                EXPORT_SHORT(wall->direction[1]));
+        fprintf(out, "region wall%zu plane %s %s 0 %s %s 0\n", w + 1, RP_SHORT(wall->point[0]),
+                RP_SHORT(wall->point[1]), RP_SHORT(wall->direction[0]), RP_SHORT(wall->direction[1]));
         for (size_t k = 0; k < s->n_types; k++) {
             char group[32] = "all";
             if (s->n_types > 1) snprintf(group, sizeof group, "type%zu", k + 1);
@@ -278,8 +277,8 @@ static void write_motion(const lammps_scene *s, FILE *out)
         if (s->grains[i].fixed) fprintf(out, "group fixed id %u\n", s->grains[i].id);
     fputs(any ? "fix hold fixed freeze\ngroup mobile subtract all fixed\n" : "group mobile union all\n", out);
     if (magnitude > 0.0)
-        fprintf(out, "fix gravity mobile gravity %s vector %s %s 0\n", EXPORT_SHORT(magnitude),
-                EXPORT_SHORT(g[0]), EXPORT_SHORT(g[1]));
+        fprintf(out, "fix gravity mobile gravity %s vector %s %s 0\n", RP_SHORT(magnitude), RP_SHORT(g[0]),
+                RP_SHORT(g[1]));
     fprintf(out, "fix move mobile nve%s\nfix flat all enforce2d\n",
             !s->def.rotation             ? ""
             : s->def.shape == DEM_SPHERE ? "/sphere"
@@ -305,7 +304,7 @@ static void write_input(const lammps_scene *s, const char *scene, const char *st
             fputc('\n', out);
         }
     fprintf(out, "neighbor %s bin\nneigh_modify every 1 delay 0 check yes\ntimestep %s\n\n",
-            EXPORT_SHORT(0.5 * s->largest), EXPORT_SHORT(s->def.dt));
+            RP_SHORT(0.5 * s->largest), RP_SHORT(s->def.dt));
     write_motion(s, out);
     write_walls(s, out);
     fprintf(out,

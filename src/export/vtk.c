@@ -2,7 +2,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "core/file.h"
 #include "core/folder.h"
@@ -121,7 +120,7 @@ static void put_wall(const export_run *run, const rp_table *t, size_t row, const
     }
     for (int end = 0; end < 2; end++) {
         const double s = isinf(v[4 + end]) ? reach[end] : v[4 + end];
-        fprintf(out, "%s %s 0\n", EXPORT_SHORT(v[0] + s * tangent[0]), EXPORT_SHORT(v[1] + s * tangent[1]));
+        fprintf(out, "%s %s 0\n", RP_SHORT(v[0] + s * tangent[0]), RP_SHORT(v[1] + s * tangent[1]));
     }
 }
 
@@ -171,8 +170,7 @@ static rp_status write_frame(const export_run *run, size_t k, const char *folder
         RP_TRY(export_close(&e, parts[i].lines ? write_lines(run, &p, parts[i].lines, e.out)
                                                : write_grains(run, &p, e.out)));
         fprintf(collection, "<DataSet timestep=\"%s\" part=\"%zu\" name=\"%s\" file=\"%s/%s_%06zu.vtp\"/>\n",
-                EXPORT_SHORT(export_frame_time(run, k)), i, parts[i].name, basename(folder), parts[i].name,
-                k);
+                RP_SHORT(export_frame_time(run, k)), i, parts[i].name, basename(folder), parts[i].name, k);
     }
     return RP_OK;
 }

@@ -9,6 +9,7 @@
 
 #include "params/guess.h"
 #include "params/lets.h"
+#include "params/settings.h"
 #include "core/file.h"
 
 /* libconfig says "syntax error" and the line, no more: this is the line, and what a parameter file is. */
@@ -82,11 +83,11 @@ static void put_path(const config_setting_t *setting, char *text, size_t size)
 }
 
 /* "walls.[2]." of the group that holds the setting, or of the group itself. */
-enum { PATH_BYTES = 256 };
-static const char *path_within(const config_setting_t *setting, char text[PATH_BYTES])
+static const char *path_within(const config_setting_t *setting)
 {
+    static _Thread_local char text[256]; /* as of rp_message */
     while (setting && !config_setting_is_group(setting)) setting = config_setting_parent(setting);
-    if (setting) put_path(setting, text, PATH_BYTES - 1);
+    if (setting) put_path(setting, text, sizeof text - 1);
     return setting && *text ? strcat(text, ".") : "";
 }
 
@@ -94,7 +95,7 @@ rp_status rp_config_unknown(const config_setting_t *setting, const rp_param *sch
                             const char *more)
 {
     const char *name = config_setting_name(setting);
-    char path[PATH_BYTES], allowed[2048] = "";
+    char allowed[2048] = "";
     size_t used = 0;
     rp_guess guess = rp_guess_of(name);
     rp_guess_schema(&guess, schema);
@@ -102,8 +103,8 @@ rp_status rp_config_unknown(const config_setting_t *setting, const rp_param *sch
     for (; schema->name && used < sizeof allowed; schema++)
         used += (size_t)snprintf(allowed + used, sizeof allowed - used, " %s", schema->name);
     return rp_config_fail(setting, "%s%s: unknown key%s; allowed:%s%s%s%s",
-                          path_within(config_setting_parent(setting), path), name, rp_guess_text(&guess),
-                          allowed, others ? " " : "", others ? others : "", more);
+                          path_within(config_setting_parent(setting)), name, rp_guess_text(&guess), allowed,
+                          others ? " " : "", others ? others : "", more);
 }
 
 rp_status rp_config_scalar(const config_setting_t *setting, rp_value *value)
@@ -167,36 +168,34 @@ static bool is_plain(const char *text)
 rp_status rp_config_value(const config_setting_t *setting, const rp_param *param, void *values)
 {
     rp_value value;
-    char path[PATH_BYTES];
     if (param->type == RP_TEXTS && (config_setting_is_list(setting) || config_setting_is_array(setting))) {
-        for (int i = 0; i < config_setting_length(setting); i++)
-            RP_TRY(rp_config_value(config_setting_get_elem(setting, (unsigned)i), param, values));
+        for (size_t i = 0; i < length(setting); i++)
+            RP_TRY(rp_config_value(element(setting, i), param, values));
         return RP_OK;
     }
     if (rp_config_scalar(setting, &value) != RP_OK)
         return rp_config_fail(setting, "%s%s: one value expected, not a %s",
-                              path_within(config_setting_parent(setting), path), param->name,
+                              path_within(config_setting_parent(setting)), param->name,
                               config_setting_is_group(setting) ? "group" : "list");
     if (param->type == RP_TEXT && value.kind == RP_V_TEXT && !is_plain(value.s))
         return rp_config_fail(setting, "%s%s: a text on one line, without tabs, in UTF-8 expected",
-                              path_within(setting, path), param->name);
+                              path_within(setting), param->name);
     rp_status status = rp_params_set(param, values, &value);
     if (status && value.kind == RP_V_TEXT) {
         status = set_computed(setting, param, values, value.s);
         if (status && status != RP_NO_RESULT)
-            return rp_config_fail(setting, "%s%s = \"%s\": %s", path_within(setting, path), param->name,
-                                  value.s, rp_message());
+            return rp_config_fail(setting, "%s%s = \"%s\": %s", path_within(setting), param->name, value.s,
+                                  rp_message());
     }
-    return status ? rp_config_fail(setting, "%s%s", path_within(setting, path), rp_message()) : RP_OK;
+    return status ? rp_config_fail(setting, "%s%s", path_within(setting), rp_message()) : RP_OK;
 }
 
 rp_status rp_config_peek(const config_setting_t *group, const rp_param *schema, const char *keys,
                          void *values)
 {
     for (; schema->name; schema++) {
-        const config_setting_t *setting = keys && rp_word_index(keys, schema->name) < 0
-                                              ? NULL
-                                              : config_setting_get_member(group, schema->name);
+        const config_setting_t *setting =
+            keys && rp_word_index(keys, schema->name) < 0 ? NULL : member(group, schema->name);
         if (setting) RP_TRY(rp_config_value(setting, schema, values));
     }
     return RP_OK;
@@ -205,12 +204,11 @@ rp_status rp_config_peek(const config_setting_t *group, const rp_param *schema, 
 rp_status rp_config_group(const config_setting_t *group, const rp_param *schema, void *values,
                           const char *others)
 {
-    char path[PATH_BYTES];
     if (!config_setting_is_group(group))
         return rp_config_fail(group, "%s: a group { ... } expected",
                               config_setting_name(group) ? config_setting_name(group) : "entry");
-    for (int i = 0; i < config_setting_length(group); i++) {
-        const config_setting_t *setting = config_setting_get_elem(group, (unsigned)i);
+    for (size_t i = 0; i < length(group); i++) {
+        const config_setting_t *setting = element(group, i);
         const char *name = config_setting_name(setting);
         if (rp_word_index(others, name) >= 0) continue;
         const rp_param *param = rp_params_find(schema, name);
@@ -218,8 +216,8 @@ rp_status rp_config_group(const config_setting_t *group, const rp_param *schema,
         RP_TRY(rp_config_value(setting, param, values));
     }
     for (; schema->name; schema++)
-        if (!schema->fallback && !config_setting_get_member(group, schema->name))
-            return rp_config_fail(group, "%s%s: missing (%s)", path_within(group, path), schema->name,
+        if (!schema->fallback && !member(group, schema->name))
+            return rp_config_fail(group, "%s%s: missing (%s)", path_within(group), schema->name,
                                   schema->meaning);
     return RP_OK;
 }
@@ -227,27 +225,25 @@ rp_status rp_config_group(const config_setting_t *group, const rp_param *schema,
 rp_status rp_config_numbers(const config_setting_t *setting, int n, bool finite, double *numbers)
 {
     const char *name = config_setting_name(setting) ? config_setting_name(setting) : "value";
-    char path[PATH_BYTES];
-    const char *const within = path_within(setting, path);
     const char *const expected = n == 2 ? "two numbers [a, b] expected" : "three numbers [a, b, c] expected";
     if ((!config_setting_is_array(setting) && !config_setting_is_list(setting)) ||
         config_setting_length(setting) != n)
-        return rp_config_fail(setting, "%s%s: %s", within, name, expected);
+        return rp_config_fail(setting, "%s%s: %s", path_within(setting), name, expected);
     for (int i = 0; i < n; i++) {
         rp_value value;
-        const config_setting_t *element = config_setting_get_elem(setting, (unsigned)i);
+        const config_setting_t *part = element(setting, (size_t)i);
         rp_x_symbol is = {0};
-        const bool read = rp_config_scalar(element, &value) == RP_OK;
-        rp_status status =
-            read && value.kind == RP_V_TEXT ? rp_lets_value(element, value.s, &is) : RP_NO_RESULT;
+        const bool read = rp_config_scalar(part, &value) == RP_OK;
+        rp_status status = read && value.kind == RP_V_TEXT ? rp_lets_value(part, value.s, &is) : RP_NO_RESULT;
         if (status && status != RP_NO_RESULT)
-            return rp_config_fail(element, "%s%s = \"%s\": %s", within, name, value.s, rp_message());
+            return rp_config_fail(part, "%s%s = \"%s\": %s", path_within(setting), name, value.s,
+                                  rp_message());
         if (!read || value.kind == RP_V_BOOL ||
             (value.kind == RP_V_TEXT && (status || is.type != RP_X_NUMBER)))
-            return rp_config_fail(element, "%s%s: %s", within, name, expected);
+            return rp_config_fail(part, "%s%s: %s", path_within(setting), name, expected);
         numbers[i] = !status ? is.value : value.kind == RP_V_INT ? (double)value.i : value.r;
         if (finite && !isfinite(numbers[i]))
-            return rp_config_fail(element, "%s%s: finite numbers expected", within, name);
+            return rp_config_fail(part, "%s%s: finite numbers expected", path_within(setting), name);
     }
     return RP_OK;
 }
@@ -294,8 +290,8 @@ void rp_config_write_value(FILE *out, const config_setting_t *setting)
     }
     const bool named = config_setting_is_group(setting);
     fputs(named ? "{ " : "( ", out);
-    for (int i = 0; i < config_setting_length(setting); i++) {
-        const config_setting_t *part = config_setting_get_elem(setting, (unsigned)i);
+    for (size_t i = 0; i < length(setting); i++) {
+        const config_setting_t *part = element(setting, i);
         if (named) fprintf(out, "%s = ", config_setting_name(part));
         if (!named && i) fputs(", ", out);
         rp_config_write_value(out, part);

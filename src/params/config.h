@@ -47,8 +47,7 @@ rp_status rp_config_value(const config_setting_t *setting, const rp_param *param
 void rp_config_write_text(FILE *out, const char *text);
 void rp_config_write_value(FILE *out, const config_setting_t *setting);
 
-/* Write "name = value; " for each parameter of a schema, as rp_config_group reads it back to the same bits.
- */
+/* Write "name = value; " for each parameter of a schema; rp_config_group reads the same bits back. */
 void rp_config_write(FILE *out, const rp_param *schema, const void *values);
 
 /* An RP_BAD_INPUT failure that starts with the setting's file and line. */

@@ -16,8 +16,7 @@ extern const char *const rp_x_types[]; /* "a number", ... */
 /* Constants and functions, for people. */
 extern const char rp_expression_functions[];
 
-/* What a name stands for: a value that is known when the text is read, or one that `id` asks
- * for. */
+/* What a name stands for: a value that is known when the text is read, or one that `id` asks for. */
 typedef struct {
     rp_x_type type;
     bool known;
@@ -52,9 +51,8 @@ typedef struct {
 } rp_expression;
 
 /* Read a text; the expression stays in the arena. Errors: RP_BAD_INPUT, "character 3: unknown name grians;
- * did you mean
- * ...": syntax, unknown names, types, a place where a name or a function is not allowed, more than 200 parts.
- */
+ * did you mean ...": syntax, unknown names, types, a name or function in the wrong place, more than 200
+ * parts. */
 rp_status rp_expression_read(rp_arena *arena, const char *text, const rp_x_names *names, rp_expression *e);
 
 /* The same, of this type. */

@@ -1,5 +1,4 @@
-/* "did you mean": the candidate nearest to a misspelt word, for commands, options, keys, columns and choices.
- */
+/* "did you mean": the candidate nearest to a misspelt word, of commands, options, keys, columns, choices. */
 #ifndef RP_GUESS_H
 #define RP_GUESS_H
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "params/config.h"
+#include "params/settings.h"
 #include "params/units.h"
 
 /* Is a text a name, which stands for itself unless it is an earlier one's? */
@@ -35,7 +36,7 @@ static rp_status read_group(const config_setting_t *group, bool foreign, rp_let 
                                       {"meaning", "", RP_TEXT, offsetof(rp_let, meaning), "", "", ""},
                                       {0}};
     RP_TRY(rp_config_group(group, schema, let, "value"));
-    *value = config_setting_get_member(group, "value");
+    *value = member(group, "value");
     if (!*value) return rp_config_fail(group, "let.%s: value is missing", let->name);
     return foreign || !rp_unit_check(let->unit)
                ? RP_OK
@@ -84,13 +85,13 @@ rp_status rp_lets_read(config_setting_t *root, rp_lets *lets)
     lets->names = (rp_x_names){.host = lets, .find = rp_lets_find, .list = rp_lets_list, .call = lets->call};
     for (int k = 0; k < RP_LET_CONSTANTS; k++) lets->constants[k] = NAN;
     config_setting_set_hook(root, lets);
-    const config_setting_t *group = config_setting_get_member(root, "let");
+    const config_setting_t *group = member(root, "let");
     if (!group) return RP_OK;
     if (!config_setting_is_group(group))
         return rp_config_fail(group, "let: a group { NAME = value; ... } expected");
     RP_NEW(&lets->arena, lets->lets, (size_t)config_setting_length(group));
-    for (int i = 0; i < config_setting_length(group); i++) {
-        const config_setting_t *setting = config_setting_get_elem(group, (unsigned)i), *value = setting;
+    for (size_t i = 0; i < length(group); i++) {
+        const config_setting_t *setting = element(group, i), *value = setting;
         rp_let let = {.name = config_setting_name(setting), .unit = "", .range = "", .meaning = ""};
         if (config_setting_is_group(setting)) RP_TRY(read_group(setting, lets->foreign, &let, &value));
         if (read_let(root, value, let, lets))

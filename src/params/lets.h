@@ -24,8 +24,7 @@ typedef struct {
     bool foreign; /* values are given in other units than the text is written in */
     rp_let *lets;
     double constants[RP_LET_CONSTANTS]; /* NAN: not known yet */
-    /* Find one when a text asks for it; NULL: none is known. Errors: those of the keys that it is read from.
-     */
+    /* Find one when a text asks for it; NULL: none is known. Errors: those of the keys it is read from. */
     rp_status (*know)(void *host, rp_let_constant which, double *value);
     void *host;
     /* As that of rp_x_names; its host is the rp_lets. */
@@ -41,8 +40,7 @@ rp_status rp_lets_read(config_setting_t *root, rp_lets *lets);
 void rp_lets_end(rp_lets *lets);
 
 /* A constant, which is found where it is first asked for. Errors: RP_BAD_INPUT (not known here; those of
- * `know`).
- */
+ * `know`). */
 rp_status rp_lets_constant(rp_lets *lets, rp_let_constant which, double *value);
 
 /* The names of lets and constants, as those of rp_x_names; the host is the rp_lets. */

@@ -4,7 +4,6 @@
 
 #include <errno.h>
 #include <math.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,38 +13,34 @@
 
 #define DECIMAL "+-.0123456789eE" /* characters of plain decimal numbers */
 
-/* The parts of a numeric range: bounds, whether they are open, and the further spellings. */
+/* The parts of a numeric range: bounds, whether they are open, and the further spellings; whether it is
+ * whole. */
 typedef struct {
     double lo, hi;
-    bool open_lo, open_hi;
+    bool open_lo, open_hi, whole;
     const char *words; /* "| infinite | auto", or "" */
 } numeric_range;
 
 static numeric_range parse_range(const char *text)
 {
-    numeric_range r = {-INFINITY, INFINITY, false, false, ""};
-    if (!text || !*text) return r;
-    r.open_lo = *text == '(';
+    numeric_range r = {.lo = -INFINITY, .hi = INFINITY, .words = ""};
     char *end;
-    r.lo = strtod(text + 1, &end);
-    r.hi = strtod(end + 1, &end);
+    if (!text || (*text != '[' && *text != '(')) return r;
+    r.open_lo = *text == '(';
+    r.lo = strtod(++text, &end);
+    if (end == text || *end != ',') return r;
+    text = end + 1;
+    r.hi = strtod(text, &end);
     r.open_hi = *end == ')';
-    const char *bar = strchr(end, '|');
-    if (bar) r.words = bar;
+    if (end == text || (*end != ']' && *end != ')')) return r;
+    r.words = end + 1 + strspn(end + 1, " ");
+    r.whole = r.lo <= r.hi && (*r.words == '|' || !*r.words);
     return r;
 }
 
 bool rp_range_is_whole(const char *text)
 {
-    char *end;
-    if (*text != '[' && *text != '(') return false;
-    const double lo = strtod(text + 1, &end);
-    if (end == text + 1 || *end != ',') return false;
-    const char *second = end + 1;
-    const double hi = strtod(second, &end);
-    if (end == second || (*end != ']' && *end != ')')) return false;
-    end += 1 + strspn(end + 1, " ");
-    return lo <= hi && (*end == '|' || *end == '\0');
+    return parse_range(text).whole;
 }
 
 const char *rp_word_at(const char *list, int index, char *buffer, size_t size)

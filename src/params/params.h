@@ -27,8 +27,7 @@ typedef struct {
 
 /* One parameter. `range` reads "[lo, hi]" with ( ) for open ends, for numbers; words after "|" are further
  * spellings ("[0, inf) | infinite | auto"). For RP_REAL "auto" stands for -1 and any other word for infinity;
- * for RP_INT one word is allowed, and stands for -1.
- * For RP_CHOICE it lists the words: "extends | ends | absorbs".
+ * for RP_INT one word is allowed, and stands for -1. For RP_CHOICE it lists the words: "ends | absorbs".
  * `fallback` is the default as a user would write it, in cgs; NULL makes the parameter required. */
 typedef struct {
     const char *name;
@@ -55,8 +54,7 @@ typedef struct {
 /* Entry called `name`, or NULL. */
 const rp_param *rp_params_find(const rp_param *schema, const char *name);
 
-/* Write every default, in the system of units that holds (units.h); parameters without one are set to zero.
- */
+/* Write every default, in the system of units that holds (units.h); parameters without one become zero. */
 void rp_params_default(const rp_param *param, void *values);
 void rp_params_defaults(const rp_param *schema, void *values);
 
@@ -74,6 +72,9 @@ rp_status rp_params_set_text(const rp_param *param, void *values, const char *te
  * "nan". Numbers of up to `digits` digits before the point have no exponent. At most 24 bytes; returns
  * `buffer`. */
 const char *rp_number_text(double v, int digits, char *buffer, size_t size);
+
+/* The same of at least 15 digits; it lives as long as the block. */
+#define RP_SHORT(number) rp_number_text(number, 15, (char[32]){0}, 32)
 
 /* Word number `index` of a list separated by "|" and blanks; empty past the end. Returns `buffer`. */
 const char *rp_word_at(const char *list, int index, char *buffer, size_t size);

@@ -5,7 +5,6 @@
 #include <ctype.h>
 #include <errno.h>
 #include <limits.h>
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -13,8 +12,7 @@
 #include "core/file.h"
 #include "params/config.h"
 
-/* libconfig looks for twins of a key in its whole group, and goes back to the start of a token at every 8 kB.
- */
+/* libconfig looks for twins of a key in its whole group, and goes back to a token's start at every 8 kB. */
 enum { MOST_BYTES = 64 << 20, MOST_IN_TOKEN = 65536, MOST_KEYS = 1000, MOST_LEVELS = 32 };
 
 typedef struct {
@@ -36,8 +34,7 @@ static const char *number_end(const char *p, bool *fits)
     return real_end;
 }
 
-/* End of a gap, comment, text, number, name or other character; NULL for a text or comment without its end.
- */
+/* End of a gap, comment, text, number, name or other character; NULL for a text or comment without end. */
 static const char *token_end(const char *p, bool *fits)
 {
     const char *end;

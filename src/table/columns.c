@@ -57,11 +57,6 @@ void rp_tally_text(const rp_tally *t, char text[1024])
                                  t->of[i].times);
 }
 
-const char *rp_cell(const rp_table *table, size_t row, int column)
-{
-    return table->cells[row * table->n_columns + (size_t)column];
-}
-
 rp_status rp_column_list(const rp_table *table, const char *names, size_t most, size_t *n, int columns[])
 {
     char header[1024];
@@ -115,8 +110,7 @@ rp_status rp_table_one_step(const rp_table *table)
         if (strcmp(rp_cell(table, i, column), rp_cell(table, 0, column)) != 0)
             return rp_fail(RP_BAD_INPUT,
                            "%s:%zu: step = %s after %s: one step expected; choose it by --where step=N",
-                           table->places[i].path, table->places[i].line, rp_cell(table, i, column),
-                           rp_cell(table, 0, column));
+                           RP_PLACE(table, i), rp_cell(table, i, column), rp_cell(table, 0, column));
     return RP_OK;
 }
 
@@ -246,4 +240,30 @@ rp_status rp_group_rows(rp_arena *arena, const rp_table *t, const char *by, char
         if (group == g->n_groups) g->words[g->n_groups++] = rp_text(arena, "%s", label);
     }
     return RP_OK;
+}
+
+const char *rp_failed_text(rp_arena *arena, const rp_table *t, const rp_groups *groups, size_t group,
+                           const char *x, const double range[2])
+{
+    const int status = rp_table_column(t, "status"), n = rp_table_column(t, "n"),
+              failed = rp_table_column(t, "n_failed"), words = rp_table_column(t, "failed_for"),
+              at = x && range ? rp_table_column(t, x) : -1;
+    rp_tally causes = {0};
+    char text[1024];
+    double runs = 0.0;
+    for (size_t i = 0; i < t->n_rows; i++) {
+        const double value = at < 0 ? 0.0 : strtod(rp_cell(t, i, at), NULL);
+        if ((groups && groups->of_row[i] != group) || (at >= 0 && !(value >= range[0] && value <= range[1])))
+            continue;
+        /* points without any result enter no mean */
+        if (failed >= 0 && (n < 0 || strtod(rp_cell(t, i, n), NULL) > 0.0)) {
+            runs += strtod(rp_cell(t, i, failed), NULL);
+            if (words >= 0) rp_tally_add_text(&causes, rp_cell(t, i, words), 1.0);
+        } else if (failed < 0 && status >= 0 && !rp_is_result(rp_cell(t, i, status))) {
+            runs++;
+            rp_tally_add(&causes, rp_cell(t, i, status), strlen(rp_cell(t, i, status)), 1.0);
+        }
+    }
+    rp_tally_text(&causes, text);
+    return rp_text(arena, "%.0f\t%s", runs, text);
 }

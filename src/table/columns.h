@@ -14,9 +14,6 @@ RP_C_BEGIN
 rp_status rp_table_keep(rp_arena *arena, const char *path, char *text, rp_table **table);
 rp_status rp_table_load(rp_arena *arena, const char *path, rp_table **table);
 
-/* Text of a cell. */
-const char *rp_cell(const rp_table *table, size_t row, int column);
-
 /* The n columns of the list `names` ("a,b,..."), at most `most`. Errors: RP_BAD_INPUT. */
 rp_status rp_column_list(const rp_table *table, const char *names, size_t most, size_t *n, int columns[]);
 
@@ -66,6 +63,13 @@ typedef struct {
 /* Errors: RP_BAD_INPUT. */
 rp_status rp_group_rows(rp_arena *arena, const rp_table *table, const char *by, char separator,
                         rp_groups *groups);
+
+/* The cells n_failed and failed_for: rows without a result among those that a row of a derived table reads,
+ * of this group (groups NULL: of all), with a number from range[0] to range[1] in column x (range NULL: any),
+ * and their causes, as in "no_pile:2,overlap:1", "-" for none. A table of grid points has both in columns. */
+#define RP_FAILED_COLUMNS "n_failed, failed_for"
+const char *rp_failed_text(rp_arena *arena, const rp_table *table, const rp_groups *groups, size_t group,
+                           const char *x, const double range[2]);
 
 /* Which rows count. Zero: those whose status, if there is such a column, starts with ok, and without nan. */
 typedef struct {

@@ -2,7 +2,6 @@
 #include "table/table.h"
 
 #include <math.h>
-#include <stdbool.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,9 +36,7 @@ void rp_table_note(FILE *out, const char *key, const char *format, ...)
 
 void rp_table_note_number(FILE *out, const char *key, double value, const char *text)
 {
-    char number[32];
-    rp_table_note(out, key, "%s%s%s", rp_number_text(value, 15, number, sizeof number), *text ? " " : "",
-                  text);
+    rp_table_note(out, key, "%s%s%s", RP_SHORT(value), *text ? " " : "", text);
 }
 
 /* Time that a run took is in seconds in every system. */
@@ -75,9 +72,7 @@ void rp_table_header(FILE *out, const char *columns)
 
 void rp_table_numbers(FILE *out, size_t n, const double values[])
 {
-    char text[32];
-    for (size_t i = 0; i < n; i++)
-        fprintf(out, "%s%s", i ? "\t" : "", rp_number_text(values[i], 15, text, sizeof text));
+    for (size_t i = 0; i < n; i++) fprintf(out, "%s%s", i ? "\t" : "", RP_SHORT(values[i]));
 }
 
 void rp_table_row(FILE *out, size_t n, const double values[])
@@ -335,6 +330,11 @@ rp_status rp_table_append(rp_table *table, const rp_table *more)
     return RP_OK;
 }
 
+const char *rp_cell(const rp_table *table, size_t row, int column)
+{
+    return table->cells[row * table->n_columns + (size_t)column];
+}
+
 int rp_table_column(const rp_table *table, const char *name)
 {
     for (size_t i = 0; table->names && i < table->n_columns; i++) /* none after an error of reading */
@@ -388,7 +388,7 @@ const char *rp_table_next_note(const rp_table *table, const char *key, const cha
 
 rp_status rp_table_number(const rp_table *table, size_t row, int column, int missing_ok, double *value)
 {
-    const char *cell = table->cells[row * table->n_columns + (size_t)column];
+    const char *cell = rp_cell(table, row, column);
     char *end;
     if (missing_ok && strcmp(cell, "infinite") == 0) {
         *value = INFINITY;
@@ -397,8 +397,7 @@ rp_status rp_table_number(const rp_table *table, size_t row, int column, int mis
     *value = strtod(cell, &end);
     if (*end || (!isfinite(*value) && !missing_ok))
         return rp_fail(RP_BAD_INPUT, "%s:%zu: column %d%s%s: \"%.40s\" is not a finite number",
-                       table->places[row].path, table->places[row].line, column + 1,
-                       table->names[column] ? " " : "", table->names[column] ? table->names[column] : "",
-                       cell);
+                       RP_PLACE(table, row), column + 1, table->names[column] ? " " : "",
+                       table->names[column] ? table->names[column] : "", cell);
     return RP_OK;
 }

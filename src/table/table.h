@@ -70,6 +70,10 @@ rp_status rp_table_append(rp_table *table, const rp_table *more);
 rp_status rp_table_parse(const char *name, char *text, rp_table *table);
 void rp_table_free(rp_table *table);
 
+/* File and line of a row, for "%s:%zu" in a message; the text of a cell. */
+#define RP_PLACE(table, row) (table)->places[row].path, (table)->places[row].line
+const char *rp_cell(const rp_table *table, size_t row, int column);
+
 /* Index of a column, or -1. */
 int rp_table_column(const rp_table *table, const char *name);
 

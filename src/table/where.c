@@ -50,7 +50,7 @@ static size_t extreme_row(const rp_table *t, int column, bool largest)
     size_t found = t->n_rows;
     double value = NAN, most = NAN;
     for (size_t row = 0; row < t->n_rows; row++)
-        if (rp_text_number(t->cells[row * t->n_columns + (size_t)column], &value) && isfinite(value) &&
+        if (rp_text_number(rp_cell(t, row, column), &value) && isfinite(value) &&
             (found == t->n_rows || (largest ? value > most : value < most)))
             found = row, most = value;
     return found;
@@ -65,8 +65,7 @@ rp_status rp_conditions_mark(const rp_table *t, size_t n, const rp_condition con
                    one = largest || strcmp(c->value, "smallest") == 0;
         const size_t extreme = one && *c->op == '=' ? extreme_row(t, column, largest) : 0;
         for (size_t row = 0; row < t->n_rows; row++)
-            rows[row] &= one && *c->op == '=' ? row == extreme
-                                              : meets(t->cells[row * t->n_columns + (size_t)column], c);
+            rows[row] &= one && *c->op == '=' ? row == extreme : meets(rp_cell(t, row, column), c);
     }
     return RP_OK;
 }

@@ -1,5 +1,4 @@
 /* repose angle: marginal stability and tilt, (3) and (4), on the command line. */
-
 #include "angle/angle.h"
 #include "cli/derive/derive.h"
 
@@ -78,8 +77,6 @@ static const cli_command tilt = {
 
 /* ---- group ---- */
 
-#define X(name) &cmd_angle_##name,
-static const cli_command *const commands[] = {&marginal, &tilt, &cmd_angle_slope, CLI_ANGLE(X) NULL};
-#undef X
+static const cli_command *const commands[] = {&marginal, &tilt, &cmd_angle_slope, CLI_ANGLE(CLI_ENTRY) NULL};
 const cli_command cmd_angle = {"angle", "angles of repose, tilting and marginal stability from plain numbers",
                                .group = commands};

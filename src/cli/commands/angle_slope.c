@@ -1,6 +1,5 @@
 /* repose angle slope: the slope of a pile's surface. */
 #include <gsl/gsl_statistics_double.h>
-#include <string.h>
 
 #include "angle/angle.h"
 #include "cli/cli.h"
@@ -76,8 +75,8 @@ static rp_status choose_cell(const slope_options *o, const rp_table *t, const do
                        t->path);
     for (size_t i = 0; i < n; i++)
         if (!(r[i] > 0.0))
-            return rp_fail(RP_BAD_INPUT, "%s:%zu: r = %g: out of range, allowed: (0, inf)", t->places[i].path,
-                           t->places[i].line, r[i]);
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: r = %g: out of range, allowed: (0, inf)", RP_PLACE(t, i),
+                           r[i]);
     *origin = "mean diameter of the grains";
     *cell = 2.0 * gsl_stats_mean(r, 1, n);
     return RP_OK;
@@ -90,7 +89,7 @@ static rp_status slope_of_box(size_t n, const double *block, bool with_r, const 
     const ang_options options = {cell, (ang_height)o->height, (ang_empty)o->empty, (ang_parabola)o->parabola};
     const double *x = block, *y = block + n;
     double left = INFINITY, lowest = 0.0;
-    ang_surface s;
+    RP_ENDS(ang_surface_free) ang_surface s;
     rp_status status = ang_surface_make(n, x, y, with_r ? y + n : NULL, o->width, &options, &s);
     for (size_t i = 0; i < n; i++) {
         if (!(x[i] >= 0.0 && x[i] < o->width)) continue;
@@ -109,9 +108,7 @@ static rp_status slope_of_box(size_t n, const double *block, bool with_r, const 
               "flank; without --width the pile is found wherever it is\n",
               stderr);
     *pile = (ang_pile){.n = s.n_cells, .n_flanks = 1, .n_flank = {s.n_occupied}};
-    if (!status) status = ang_slopes(s.n, s.column, s.h, s.cell, options.parabola, pile->flank[0]);
-    ang_surface_free(&s);
-    return status;
+    return status ? status : ang_slopes(s.n, s.column, s.h, s.cell, options.parabola, pile->flank[0]);
 }
 
 static rp_status slope_of_table(cli_call *call, rp_table *table, const void *values)

@@ -33,8 +33,7 @@ enum { MOST = 100, FILL_STEPS = 30000, RELAX_STEPS = 50000, WARM_STEPS = 2000 };
       "timed runs, for the best and the median; 1: no extra run for the phases")                             \
     X(TEXT, start, "", "", "",                                                                               \
       "table with columns x y r (cm) of initial grains at rest, instead of a fill of --n; settled and "      \
-      "sample: "                                                                                             \
-      "the first 2000 steps are not timed")                                                                  \
+      "sample: the first 2000 steps are not timed")                                                          \
     X(INT, j, "", "1", "[1, 256]",                                                                           \
       "threads; rates of more than one are per second of wall time, and the phases are those of one")        \
     X(TEXT, o, "", "", "",                                                                                   \

@@ -2,21 +2,17 @@
  * in the folder, which it goes on from. */
 #include <errno.h>
 #include <limits.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "cli/cli.h"
-
-#include "core/file.h"
 #include "core/folder.h"
 #include "core/version.h"
 #include "params/config.h"
 #include "params/expression.h"
-#include "params/units.h"
+#include "params/settings.h"
 #include "stats/identify.h"
-#include "stats/stats.h"
 
 #define CALIBRATE_OPTIONS(X)                                                                                 \
     X(REAL, theta_r_deg, "deg", "none", "(-90, 90) | none", "measured angle of repose, by method 3")         \
@@ -62,8 +58,6 @@ typedef struct {
     stats_runs *runs;
 } problem;
 
-#define member(setting, name) config_setting_get_member(setting, name)
-
 /* ---- the file ---- */
 
 static rp_status read_fit(problem *s, const config_setting_t *fit)
@@ -75,7 +69,7 @@ static rp_status read_fit(problem *s, const config_setting_t *fit)
                    : rp_fail(RP_BAD_INPUT, "%s: fit: missing (what is to be found)", s->path);
     s->quest.n_names = (size_t)n;
     for (int i = 0; i < n; i++) {
-        const config_setting_t *range = config_setting_get_elem(fit, (unsigned)i);
+        const config_setting_t *range = element(fit, (size_t)i);
         double ends[2];
         s->name[i] = config_setting_name(range);
         RP_TRY(rp_config_pair(range, ends));
@@ -200,8 +194,7 @@ static rp_status read_file(problem *s)
                                      STATS_NUMBERS)
                     : rp_fail(RP_BAD_INPUT, "%s: measured: missing (the numbers)", s->path);
     s->quest.n_numbers = (size_t)n;
-    for (int k = 0; k < n; k++)
-        RP_TRY(read_measured(s, config_setting_get_elem(list, (unsigned)k), (size_t)k));
+    for (int k = 0; k < n; k++) RP_TRY(read_measured(s, element(list, (size_t)k), (size_t)k));
     for (size_t g = 0; g < s->quest.n_groups && s->quest.fixed_runs; g++)
         if (strcmp(s->group[g].kind, "runs") != 0)
             return rp_config_fail(list, "measured: numbers of tables and of experiments don't go together");

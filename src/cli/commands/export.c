@@ -1,8 +1,5 @@
 /* `repose export`: runs, tables and sweeps in the formats of other programs. */
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include "cli/cli.h"
 #include "table/where.h"

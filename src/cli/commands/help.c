@@ -67,11 +67,11 @@ static void put_item(const char *before, const char *name, const char *text)
 }
 
 /* Each parameter, and what each word of a choice stands for. */
-static void put_schema(const rp_param *schema)
+static void put_schema(rp_arena *arena, const rp_param *schema)
 {
-    char text[1024], word[64];
+    char word[64];
     for (const rp_param *p = schema; p->name; p++) {
-        put_item("", p->name, cli_option_text(p, text, sizeof text));
+        put_item("", p->name, cli_option_text(arena, p));
         for (int k = 0; p->manual && *rp_word_at(p->range, k, word, sizeof word); k++) {
             fputs("    *", stdout);
             put(word);
@@ -84,7 +84,6 @@ static void put_schema(const rp_param *schema)
 
 static void put_command(cli_call call, const cli_command *c)
 {
-    char text[1024];
     put_title(2, "repose ", c->name);
     if (c->group) {
         put(c->summary);
@@ -101,7 +100,7 @@ static void put_command(cli_call call, const cli_command *c)
     }
     put_lines(c->about);
     for (const rp_param *p = call.options; p->name; p++)
-        put_item(strlen(p->name) == 1 ? "\\-" : "\\-\\-", p->name, cli_option_text(p, text, sizeof text));
+        put_item(strlen(p->name) == 1 ? "\\-" : "\\-\\-", p->name, cli_option_text(call.arena, p));
     if (c->refuses) {
         fputs("Refuses: ", stdout);
         put_lines(c->refuses);
@@ -109,17 +108,14 @@ static void put_command(cli_call call, const cli_command *c)
     printf("Example:\n\n    %s\n\n", c->example);
 }
 
-static void put_protocol(const sweep_protocol *p)
+static void put_protocol(rp_arena *arena, const sweep_protocol *p)
 {
     put_title(2, "Protocol ", p->name);
     put_lines(p->about);
-    put_schema(p->schema);
+    put_schema(arena, p->schema);
     put_title(3, "Outputs of protocol ", p->name);
-    for (const sweep_output *o = p->outputs; o->name; o++) {
-        char text[1024];
-        snprintf(text, sizeof text, "%s%s%s", o->meaning, *o->unit ? ", " : "", o->unit);
-        put_item("", o->name, text);
-    }
+    for (const sweep_output *o = p->outputs; o->name; o++)
+        put_item("", o->name, rp_text(arena, "%s%s%s", o->meaning, *o->unit ? ", " : "", o->unit));
 }
 
 static rp_status print_manual(const cli_call *call)
@@ -133,13 +129,13 @@ static rp_status print_manual(const cli_call *call)
     for (const dem_scene_group *g = dem_scene_schemas; g->name; g++) {
         put_title(2, "", g->name);
         put_lines(g->manual);
-        put_schema(g->schema);
+        put_schema(call->arena, g->schema);
     }
     put_title(1, "", "KEYS AND OUTPUTS OF A SWEEP'S PROTOCOL");
     for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
         const sweep_protocol *opened;
         const rp_status status = sweep_protocol_open(*p, NULL, NULL, &opened);
-        if (!status) put_protocol(opened);
+        if (!status) put_protocol(call->arena, opened);
         sweep_protocol_close(opened);
         RP_TRY(status);
     }

@@ -1,13 +1,12 @@
 /* repose sweep make: the runs of a sweep file, and the tables that its settings derive from them. */
-#include <errno.h>
 #include <libgen.h>
 #include <string.h>
 
-#include "cli/cli.h"
 #include "cli/derive/derive.h"
 #include "cli/progress.h"
 #include "core/folder.h"
 #include "params/config.h"
+#include "params/settings.h"
 
 #define MAKE_OPTIONS(X)                                                                                      \
     X(TEXT, o, "", NULL, "", "folder of the sweep; created if missing")                                      \
@@ -59,7 +58,7 @@ static rp_param *schema_of(step *s)
     for (size_t i = 0; i < call->n_own; i++) {
         char *name = rp_text(call->arena, "%s", call->options[i].name);
         for (char *c = name; (c = strchr(c, '-'));) *c = '_';
-        call->given[i] = config_setting_get_member(s->setting, name) != NULL;
+        call->given[i] = member(s->setting, name) != NULL;
         if (strstr(settled, rp_text(call->arena, "|%s|", name))) continue;
         *to = call->options[i];
         to++->name = name;
@@ -73,8 +72,8 @@ static const char *describe(const step *s, const rp_param *schema)
     char value[256];
     rp_arena *arena = s->call.arena;
     const char *text = cli_own_name(s->call.command);
-    for (int i = 0; i < config_setting_length(s->setting); i++) {
-        const config_setting_t *m = config_setting_get_elem(s->setting, (unsigned)i);
+    for (size_t i = 0; i < length(s->setting); i++) {
+        const config_setting_t *m = element(s->setting, i);
         const rp_param *p = rp_params_find(schema, config_setting_name(m));
         if (p && p->type != RP_TEXTS)
             text = rp_text(arena, "%s %s=%s", text, p->name,
@@ -145,32 +144,32 @@ static rp_status check_name(const making *m, const config_setting_t *setting, co
     return RP_OK;
 }
 
-/* The command that `with` names, one of these lists. */
-static rp_status find_command(const config_setting_t *setting, const cli_command *const *const lists[],
-                              size_t n, const char *allowed, const cli_command **command)
+/* The command that `with` names, one of these lists that derives a table, or one that does not. */
+static rp_status find_command(const making *m, const config_setting_t *setting, bool derives,
+                              const cli_command *const *const lists[], size_t n, const cli_command **command)
 {
-    const char *with = text_of(setting, "with");
+    const char *with = text_of(setting, "with"), *allowed = "";
     *command = NULL;
-    for (size_t k = 0; k < n && with && !*command; k++) *command = cli_find(lists[k], with);
-    return *command ? RP_OK : rp_config_fail(setting, "with = \"%s\": allowed:%s", with ? with : "", allowed);
+    for (size_t k = 0; k < n; k++)
+        for (const cli_command *const *c = lists[k]; *c; c++) {
+            if ((*c)->derives != derives) continue;
+            allowed = rp_text(m->call->arena, "%s %s", allowed, cli_own_name(*c));
+            if (with && strcmp(with, cli_own_name(*c)) == 0) return *command = *c, RP_OK;
+        }
+    return rp_config_fail(setting, "with = \"%s\": allowed:%s", with ? with : "", allowed);
 }
 
 static rp_status read_derive(making *m, const config_setting_t *setting)
 {
-#define X(name) " " #name
-    static const char allowed[] = CLI_STATS(X) CLI_STRESS(X) CLI_ANGLE(X);
-#undef X
     const cli_command *const *const lists[] = {cmd_stats.group, cmd_stress.group, cmd_angle.group}, *command;
     const char *name = text_of(setting, "table"), *rows = text_of(setting, "rows");
     RP_TRY(check_name(m, setting, name));
-    RP_TRY(find_command(setting, lists, N_OF(lists), allowed, &command));
-    if (!command->derives)
-        return rp_config_fail(setting, "with = \"%s\": allowed:%s", text_of(setting, "with"), allowed);
+    RP_TRY(find_command(m, setting, true, lists, N_OF(lists), &command));
     if (rows && !is_made(m, rows))
         return rp_config_fail(setting,
                               "rows = \"%s\": runs, points or an earlier table of this file expected", rows);
     step *s = add_step(m, setting, name);
-    s->of = config_setting_get_member(setting, "of");
+    s->of = member(setting, "of");
     s->stage = text_of(setting, "stage");
     if (!command->on_table != (s->stage != NULL))
         return rp_config_fail(setting, "%s %s: stage %s", name, command->name,
@@ -187,12 +186,12 @@ static rp_status read_derive(making *m, const config_setting_t *setting)
 
 static rp_status read_model(making *m, const config_setting_t *setting)
 {
-    const cli_command *const models[] = {&cmd_pile, &cmd_tent, &cmd_continuum, &cmd_lattice, NULL}, *command;
+    const cli_command *const models[] = {&cmd_pile, &cmd_tent, &cmd_continuum, &cmd_lattice, NULL},
+                             *const *const lists[] = {models}, *command;
     RP_TRY(check_name(m, setting, text_of(setting, "table")));
-    RP_TRY(find_command(setting, (const cli_command *const *const[]){models}, 1,
-                        " pile tent continuum lattice", &command));
+    RP_TRY(find_command(m, setting, false, lists, 1, &command));
     step *s = add_step(m, setting, text_of(setting, "table"));
-    const config_setting_t *folder = config_setting_get_member(setting, "folder");
+    const config_setting_t *folder = member(setting, "folder");
     s->folder = folder && config_setting_get_bool(folder);
     if (folder && command != &cmd_pile) return rp_config_fail(folder, "folder: only a pile has one");
     return read_options(m, s, command, "table with folder");
@@ -200,7 +199,7 @@ static rp_status read_model(making *m, const config_setting_t *setting)
 
 static rp_status read_trace(making *m, const config_setting_t *setting)
 {
-    const config_setting_t *rows = config_setting_get_member(setting, "rows");
+    const config_setting_t *rows = member(setting, "rows");
     if (!rows || !config_setting_length(rows))
         return rp_config_fail(setting, "rows: missing (numbers of runs, as in [0, 10])");
     for (int i = 0; i < config_setting_length(rows); i++) {
@@ -225,8 +224,8 @@ static rp_status read_list(making *m, const char *key,
     if (!list) return RP_OK;
     if (!config_setting_is_list(list))
         return rp_config_fail(list, "%s: a list ( { ... }, ... ) expected", key);
-    for (int i = 0; i < config_setting_length(list); i++) {
-        const config_setting_t *setting = config_setting_get_elem(list, (unsigned)i);
+    for (size_t i = 0; i < length(list); i++) {
+        const config_setting_t *setting = element(list, i);
         if (!config_setting_is_group(setting))
             return rp_config_fail(setting, "%s: groups { ... } expected", key);
         RP_TRY(read(m, setting));

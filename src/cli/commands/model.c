@@ -1,5 +1,4 @@
 /* repose lattice, continuum and tent: the analytic models of a pile's forces on its base. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

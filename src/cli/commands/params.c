@@ -1,18 +1,14 @@
 /* repose params: parameters and outputs of the protocols. */
-#include "core/arena.h"
-#include "params/expression.h"
-#include "params/units.h"
-#include "cli/cli.h"
-
 #include <ctype.h>
 #include <string.h>
 
-#include "params/guess.h"
-#include "core/file.h"
+#include "cli/cli.h"
 #include "dem/scene/text.h"
 #include "experiment/experiment.h"
+#include "params/expression.h"
+#include "params/guess.h"
+#include "params/units.h"
 #include "sweeps/engine/experiment.h"
-#include "sweeps/protocols/protocols.h"
 
 #define PARAMS_OPTIONS(X)                                                                                    \
     X(CHOICE, units, "", "cgs", RP_UNITS_WORDS, "system of the units and defaults shown")
@@ -22,18 +18,13 @@ CLI_OPTIONS(params, PARAMS_OPTIONS)
 static const char *const type_words[] = {
     [RP_REAL] = "real", [RP_INT] = "whole", [RP_BOOL] = "bool", [RP_CHOICE] = "word", [RP_TEXT] = "text"};
 
-static const char *shown(const char *text)
-{
-    return text && *text ? text : "-";
-}
-
 /* The default as in the schema; in other units than its own converted. */
 static const char *default_of(const rp_param *p, char text[64])
 {
     rp_param alone = *p;
     double number;
     if (!p->fallback) return "(required)";
-    if (p->type != RP_REAL || strcmp(rp_unit(p->unit), p->unit) == 0) return shown(p->fallback);
+    if (p->type != RP_REAL || strcmp(rp_unit(p->unit), p->unit) == 0) return cli_cell(p->fallback);
     alone.offset = 0;
     rp_params_default(&alone, &number);
     return rp_params_text(&alone, &number, text, 64);
@@ -48,8 +39,8 @@ static void print_schema(bool rows, const char *of, const char *kind, const rp_p
     for (const rp_param *p = schema; p->name; p++) {
         if (rows) printf("%s\t%s\t", of, kind);
         printf(rows ? "%s\t%s\t%s\t%s\t%s\t%s\n" : "  %-25s %-10s %-6s %-12s %-34s %s\n", p->name,
-               shown(rp_unit(p->unit)), type_words[p->type], default_of(p, text),
-               p->type == RP_BOOL && !rows ? "true | false" : shown(p->range), p->meaning);
+               cli_cell(rp_unit(p->unit)), type_words[p->type], default_of(p, text),
+               p->type == RP_BOOL && !rows ? "true | false" : cli_cell(p->range), p->meaning);
     }
     for (const rp_param *p = rows ? NULL : schema; p && p->name; p++)
         for (int k = 0; p->manual && *rp_word_at(p->range, k, word, sizeof word); k++)
@@ -91,7 +82,7 @@ static void print_experiment(bool rows)
             while (is_next(o->name, o[1].name)) o++;
             printf("#   %-25s %-10s %s\n",
                    o == first ? o->name : rp_text(&arena, "%s to %s", first->name, o->name),
-                   shown(first->unit), first->meaning);
+                   cli_cell(first->unit), first->meaning);
         }
         print_schema(rows, "experiment", m->name, m->schema);
     }
@@ -102,7 +93,7 @@ static void print_experiment(bool rows)
     exp_word w;
     for (size_t k = 0; (w = exp_observable_at(k)).name; k++)
         printf(rows ? "experiment\tobservable\t%s\t%s\t-\t-\t%s\t%s\n" : "  %-25s %-10s %-14s %s\n", w.name,
-               shown(rp_unit(w.unit)), w.of, w.meaning);
+               cli_cell(rp_unit(w.unit)), w.of, w.meaning);
 }
 
 static void print_protocol(const sweep_protocol *protocol, bool rows)
@@ -119,7 +110,7 @@ static void print_protocol(const sweep_protocol *protocol, bool rows)
         printf("# outputs of protocol %s\n# %-36s %-10s %s\n", protocol->name, "name", "unit", "meaning");
     for (const sweep_output *o = protocol->outputs; o->name; o++) {
         if (rows) printf("%s\toutput\t", protocol->name);
-        printf(rows ? "%s\t%s\treal\t-\t-\t%s\n" : "  %-36s %-10s %s\n", o->name, shown(rp_unit(o->unit)),
+        printf(rows ? "%s\t%s\treal\t-\t-\t%s\n" : "  %-36s %-10s %s\n", o->name, cli_cell(rp_unit(o->unit)),
                o->meaning);
     }
 }
@@ -144,12 +135,12 @@ static rp_status file_rows(const cli_call *call, const char *path)
                let->is.type == RP_X_WORD    ? let->is.word
                : let->is.type == RP_X_TRUTH ? (let->is.value != 0.0 ? "true" : "false")
                                             : rp_number_text(let->is.value, 6, number, sizeof number),
-               shown(let->unit), shown(let->range), shown(let->meaning));
+               cli_cell(let->unit), cli_cell(let->range), cli_cell(let->meaning));
     }
     size_t n = 0;
     const exp_output *o = plan && !status ? exp_outputs(plan, &n) : NULL;
     for (size_t k = 0; k < n; k++)
-        printf("%s\tmeasure\t-\t%s\t-\t%s\n", o[k].name, shown(o[k].unit), o[k].meaning);
+        printf("%s\tmeasure\t-\t%s\t-\t%s\n", o[k].name, cli_cell(o[k].unit), o[k].meaning);
     if (!phases) dem_scene_free(&scene);
     exp_free(plan);
     dem_text_close(&text);

@@ -1,8 +1,5 @@
 /* repose pile: static equilibrium of a pile of soft disks, and its forces on the base. Its options are the
  * parameters of protocol `pile` (sweeps/protocols/pile.h), with a dash for an underline, and those below. */
-#include <math.h>
-#include <stddef.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #include "analytic/analytic.h"

@@ -1,10 +1,7 @@
 /* `repose run`: any scene from a file, with snapshots from which it resumes; or one run of a sweep again with
  * its tables. */
 #include <inttypes.h>
-#include <limits.h>
-#include <math.h>
 #include <signal.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -21,7 +18,6 @@
 #include "dem/scene/text.h"
 #include "experiment/experiment.h"
 #include "sweeps/engine/keep.h"
-#include "sweeps/protocols/protocols.h"
 
 #define RUN_OPTIONS(X)                                                                                       \
     X(TEXTS, set, "", "", "",                                                                                \
@@ -192,8 +188,7 @@ static long steps_of(const scene_run *r)
     return r->exp ? exp_steps(r->exp) : dem_step(r->sim);
 }
 
-/* A frame of the tables whose turn it is at this step or at the end of a stage; `last`: of all that have any.
- */
+/* A frame of the tables whose turn it is at this step or at a stage's end; `last`: of all that have any. */
 static rp_status write_frame(const scene_run *r, bool stage, bool last)
 {
     const long *every = r->plan.every, step = steps_of(r);
@@ -366,7 +361,7 @@ static void write_measures(const scene_run *r, FILE *out)
     for (size_t k = 0; k < n; k++) {
         fprintf(out, "%s\t", o[k].name);
         rp_table_numbers(out, 1, &exp_values(r->exp)[k]);
-        fprintf(out, "\t%s\t%s\n", *o[k].unit ? o[k].unit : "-", o[k].meaning);
+        fprintf(out, "\t%s\t%s\n", cli_cell(o[k].unit), o[k].meaning);
     }
 }
 
@@ -575,15 +570,14 @@ static rp_status read_text(const char *path, scene_run *r)
 static void name_run(const char *path, scene_run *r)
 {
     const long *every = r->plan.every;
-    char key[33], length[32] = "phases", frames[200] = "the last frame";
-    bool equal = true;
-    for (int k = 1; k < CLI_GROWING; k++) equal &= every[k] == every[0];
+    rp_arena *arena = r->of.call.arena;
+    const char *frames = *every > 0 ? rp_text(arena, "a frame each %ld", *every) : "the last frame",
+               *length = r->phases ? "phases" : rp_text(arena, "%ld steps", r->plan.steps);
+    char key[33];
     rp_hash_digits(r->plan.scene, key);
-    if (equal && *every > 0) snprintf(frames, sizeof frames, "a frame each %ld", *every);
-    if (!equal)
-        snprintf(frames, sizeof frames, "frames each %ld (states), %ld (energy), %ld (contacts), %ld (walls)",
-                 every[STATES], every[ENERGY], every[CONTACTS], every[WALLS]);
-    if (!r->phases) snprintf(length, sizeof length, "%ld steps", r->plan.steps);
+    if (every[ENERGY] != *every || every[CONTACTS] != *every || every[WALLS] != *every)
+        frames = rp_text(arena, "frames each %ld (states), %ld (energy), %ld (contacts), %ld (walls)",
+                         every[STATES], every[ENERGY], every[CONTACTS], every[WALLS]);
     snprintf(r->of.run, sizeof r->of.run, "%.400s, %s, %s, key %s", path, length, frames, key);
 }
 
@@ -773,13 +767,12 @@ const cli_command cmd_run = {
     "the other sign; rolling_torque acts on the first, rolling_spring is at the arm r_i r_j/(r_i + r_j). "
     "`repose params scene` lists the keys of a scene file. Tables of a run that was stopped or failed go to "
     "DIR/unfinished: only a whole result takes its place in DIR. A finished result is replaced with --force "
-    "alone; what the program "
-    "did not write there is never touched (DIR/.repose lists what it did). --dump lammps, xyz or vtk adds "
-    "DIR/run.lammpstrj, DIR/run.xyz or DIR/run.pvd, as `repose export` has them. The run ends with one line "
-    "on standard error: grains, steps, at rest or not (a mean kinetic energy below 1e-7 m g d, and forces "
-    "that balance to 1e-2 m g, by ten looks in the last 5000 steps), and theta_R by method 3 where the "
-    "surface at rest falls to one side by all three methods. The slope is measured from the standing wall to "
-    "the opened one, or over the whole pile if no wall opens.\n"
+    "alone; what the program did not write there is never touched (DIR/.repose lists what it did). --dump "
+    "lammps, xyz or vtk adds DIR/run.lammpstrj, DIR/run.xyz or DIR/run.pvd, as `repose export` has them. The "
+    "run ends with one line on standard error: grains, steps, at rest or not (a mean kinetic energy below "
+    "1e-7 m g d, and forces that balance to 1e-2 m g, by ten looks in the last 5000 steps), and theta_R by "
+    "method 3 where the surface at rest falls to one side by all three methods. The slope is measured from "
+    "the standing wall to the opened one, or over the whole pile if no wall opens.\n"
     "\n"
     "--snapshot N: the tables grow in DIR/unfinished, where a snapshot is written every N steps and at "
     "SIGINT, SIGTERM or SIGHUP. `repose run --resume DIR` continues after a stop, a kill or a power cut, and "

@@ -47,8 +47,6 @@ static const cli_command select_rows = {
 
 /* ---- group ---- */
 
-#define X(name) &cmd_stats_##name,
-static const cli_command *const commands[] = {CLI_STATS(X) & select_rows, NULL};
-#undef X
+static const cli_command *const commands[] = {CLI_STATS(CLI_ENTRY) & select_rows, NULL};
 const cli_command cmd_stats = {"stats", "lines, trends, limits and correlations from tables of runs",
                                .group = commands};

@@ -1,7 +1,4 @@
 /* repose sweep plan|run|status|export|digest|make */
-#include <math.h>
-#include <string.h>
-
 #include "cli/cli.h"
 #include "cli/progress.h"
 

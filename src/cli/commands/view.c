@@ -1,7 +1,5 @@
 /* `repose view`: pictures and animations of grains, walls and forces, drawn by gnuplot. */
 #include <errno.h>
-#include <math.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -14,8 +12,7 @@
       "picture (.png, .svg, .pdf) or animation (.gif, .mp4) to write; without it, a window opens")           \
     X(TEXT, frame, "", "auto", "",                                                                           \
       "last, all, the number of a frame from 0, step=N, or a phase, at whose end it is; auto: the last; "    \
-      "all for an "                                                                                          \
-      "animation")                                                                                           \
+      "all for an animation")                                                                                \
     X(TEXT, color, "", "", "", "column of the grains' table that colours the grains")                        \
     X(BOOL, stress, "", "false", "", "principal stresses as crosses; orange: tension")                       \
     X(BOOL, base, "", "false", "", "vertical force a unit length on the base, below the picture")            \
@@ -77,8 +74,7 @@ static double step_of_phase(rp_arena *arena, const char *folder, const char *pha
     if (access(path, R_OK) != 0 || rp_table_load(arena, path, &table)) return NAN;
     const int name = rp_table_column(table, "phase"), at = rp_table_column(table, "step");
     for (size_t k = 0; row && name >= 0 && at >= 0 && k < table->n_rows; k++)
-        if (strcmp(table->cells[k * table->n_columns + (size_t)name], phase) == 0)
-            rp_table_number(table, k, at, 1, &step);
+        if (strcmp(rp_cell(table, k, name), phase) == 0) rp_table_number(table, k, at, 1, &step);
     if (!row) note = rp_table_find_note(table, rp_text(arena, "phase %s", phase));
     if (note && (note = strstr(note, "to step "))) sscanf(note, "to step %lf", &step);
     return step;
@@ -179,9 +175,8 @@ static rp_status draw(rp_arena *arena, const picture *p, const view_options *o, 
 /* ffmpeg makes a film of the pictures that gnuplot writes. */
 static rp_status film(rp_arena *arena, const picture *p, const view_options *o, FILE *out)
 {
-    char rate[32], path[64];
-    snprintf(rate, sizeof rate, "%g", o->fps);
-    snprintf(path, sizeof path, "/proc/%d/fd/%d", (int)getpid(), fileno(out));
+    char *const rate = rp_text(arena, "%g", o->fps), *const path = rp_text(arena, "/proc/%d/fd/%d",
+                                                                           (int)getpid(), fileno(out));
     char *const arguments[] = {
         "ffmpeg",   "-loglevel", "error", "-y",  "-f", "image2pipe", "-framerate",
         rate,       "-c:v",      "png",   "-i",  "-",  "-vf",        "pad=ceil(iw/2)*2:ceil(ih/2)*2",
@@ -232,9 +227,8 @@ const cli_command cmd_view = {
     "experiment the ends of its phases), or of `repose pile -o`. TABLE: one of its tables of grains, or any "
     "table with columns x, y, r. Width and darkness of a line between two centres show the normal force; "
     "orange: tension. A fixed grain has a dark core. Gravity is not drawn: no table has it. Lengths and "
-    "forces have the units of the tables. All frames of an animation have one "
-    "scale: the widest line stands for a force that a quarter of the frames exceed. gnuplot draws the "
-    "pictures. An .mp4 file needs ffmpeg.",
+    "forces have the units of the tables. All frames of an animation have one scale: the widest line stands "
+    "for a force that a quarter of the frames exceed. gnuplot draws the pictures. An .mp4 file needs ffmpeg.",
     "repose view out -o pile.png --color contacts",
     view_params,
     .refuses = "A window without a screen: give -o. --frame all with a picture: give -o NAME.gif.\n"

@@ -11,25 +11,20 @@
 
 CLI_OPTIONS(compare, COMPARE_OPTIONS)
 
-static void print_compare_header(void)
+static void print_compare_header(rp_arena *arena)
 {
     static const char *const parts[] = {"theta_t", "diff", "theta_rt", "gain"};
-    char text[4096];
-    size_t used = (size_t)snprintf(
-        text, sizeof text,
-        "mu, n, theta_r_deg [deg], theta_r_se_deg [deg], theta_t_deg [deg], "
-        "theta_t_se_deg [deg], theta_rt_deg [deg], theta_rt_se_deg [deg], theta_ms_deg [deg], "
-        "diff_ms_deg [deg], diff_ms_se_deg [deg], n_unstable, n_lost");
+    const char *text = "mu, n, theta_r_deg [deg], theta_r_se_deg [deg], theta_t_deg [deg], "
+                       "theta_t_se_deg [deg], theta_rt_deg [deg], theta_rt_se_deg [deg], theta_ms_deg [deg], "
+                       "diff_ms_deg [deg], diff_ms_se_deg [deg], n_unstable, n_lost";
     for (int f = 0; f < ANG_N_FORMS; f++) {
         const char *form = ang_form_words[f];
         for (size_t k = 0; k < N_OF(parts); k++)
-            used += (size_t)snprintf(text + used, sizeof text - used, ", %s_%s_deg [deg], %s_%s_se_deg [deg]",
-                                     parts[k], form, parts[k], form);
-        used += (size_t)snprintf(text + used, sizeof text - used, ", gain_relative_%s, gain_relative_%s_se",
-                                 form, form);
+            text = rp_text(arena, "%s, %s_%s_deg [deg], %s_%s_se_deg [deg]", text, parts[k], form, parts[k],
+                           form);
+        text = rp_text(arena, "%s, gain_relative_%s, gain_relative_%s_se", text, form, form);
     }
-    snprintf(text + used, sizeof text - used, ", " CLI_FAILED_COLUMNS ", status");
-    rp_table_header(stdout, text);
+    rp_table_header(stdout, rp_text(arena, "%s, " RP_FAILED_COLUMNS ", status", text));
 }
 
 static void print_comparison(rp_arena *arena, double mu, const ang_comparison *c, const char *failed)
@@ -69,18 +64,17 @@ static rp_status compare_table(cli_call *call, rp_table *table, const void *valu
     RP_TRY(rp_rows_read(call->arena, table, "mu,theta_r3_deg,theta_t_displacement_deg",
                         &(rp_choice){.grouped = true}, &piles));
     for (size_t i = 0; i < piles.n; i++) {
-        const rp_place *at = &table->places[piles.row[i]];
         for (int c = 1; c < 3; c++)
             if (!(fabs(piles.column[c][i]) < 90.0))
-                return rp_fail(RP_BAD_INPUT, "%s:%zu: %s = %g: out of range, allowed: (-90, 90)", at->path,
-                               at->line, c == 1 ? "theta_r3_deg" : "theta_t_displacement_deg",
-                               piles.column[c][i]);
+                return rp_fail(RP_BAD_INPUT, "%s:%zu: %s = %g: out of range, allowed: (-90, 90)",
+                               RP_PLACE(table, piles.row[i]),
+                               c == 1 ? "theta_r3_deg" : "theta_t_displacement_deg", piles.column[c][i]);
         piles.column[1][i] *= deg, piles.column[2][i] *= deg;
     }
     gsl_rng *rng = rp_random_in(call->arena, (unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
     cli_table(call, stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu left out", piles.n, table->n_rows - piles.n);
-    print_compare_header();
+    print_compare_header(call->arena);
     for (size_t g = 0; g < piles.n_groups; g++) {
         const size_t first = piles.first[g];
         const ang_piles of = {piles.column[0][first], piles.first[g + 1] - first, piles.column[1] + first,
@@ -89,7 +83,7 @@ static rp_status compare_table(cli_call *call, rp_table *table, const void *valu
         RP_TRY(rp_prefix(ang_compare(&of, o->phi_deg * deg, (size_t)o->bootstrap, rng, &c),
                          "%s: mu = %g: ", table->path, of.mu));
         print_comparison(call->arena, of.mu, &c,
-                         cli_failed(call->arena, table, NULL, 0, "mu", (double[]){of.mu, of.mu}));
+                         rp_failed_text(call->arena, table, NULL, 0, "mu", (double[]){of.mu, of.mu}));
     }
     return RP_OK;
 }

@@ -26,7 +26,7 @@ static rp_status print_correlations(rp_arena *arena, const rp_table *table, cons
         if (status && c.n < 4) return status;
         *found = *found || !status;
         if (*groups->words[g]) printf("%s\t", groups->words[g]);
-        const char *failed = cli_failed(arena, table, groups, g, NULL, NULL);
+        const char *failed = rp_failed_text(arena, table, groups, g, NULL, NULL);
         CLI_ROW_WORD(rp_text(arena, "%s\t%s", failed, name), (double)c.n, c.value, c.se, c.lo, c.hi);
     }
     return *found ? RP_OK : status;
@@ -35,11 +35,9 @@ static rp_status print_correlations(rp_arena *arena, const rp_table *table, cons
 static rp_status correlation_of_table(cli_call *call, rp_table *table, const void *values)
 {
     const correlation_options *o = values;
-    const size_t size = strlen(o->x) + strlen(o->y) + 2;
-    char *names = rp_arena_memory(call->arena, size, 1), *rest = names;
+    char *names = rp_text(call->arena, "%s,%s", o->y, o->x), *rest = names;
     rp_groups groups;
     rp_rows rows;
-    snprintf(names, size, "%s,%s", o->y, o->x);
     RP_TRY(rp_group_rows(call->arena, table, o->by, '\t', &groups));
     RP_TRY(rp_rows_read(call->arena, table, names, &(rp_choice){.groups = &groups}, &rows));
     cli_table(call, stdout);
@@ -47,7 +45,7 @@ static rp_status correlation_of_table(cli_call *call, rp_table *table, const voi
                   rows.n_nan);
     rp_status status = rp_header_by(
         table, o->by,
-        "n, correlation, correlation_se, correlation_lo, correlation_hi, " CLI_FAILED_COLUMNS ", quantity");
+        "n, correlation, correlation_se, correlation_lo, correlation_hi, " RP_FAILED_COLUMNS ", quantity");
     strsep(&rest, ",");
     bool found = false;
     for (size_t x = 1; rest && (!status || status == RP_NO_RESULT); x++)

@@ -5,25 +5,12 @@
 
 #include "cli/cli.h"
 
-#define CLI_STATS(X)  X(fit) X(trend) X(size) X(correlation)
-#define CLI_STRESS(X) X(field) X(base) X(dip)
-#define CLI_ANGLE(X)  X(compare)
+#define CLI_STATS(X)  X(stats, fit) X(stats, trend) X(stats, size) X(stats, correlation)
+#define CLI_STRESS(X) X(stress, field) X(stress, base) X(stress, dip)
+#define CLI_ANGLE(X)  X(angle, compare)
 
-#define X(name) cmd_stats_##name,
-extern const cli_command CLI_STATS(X) cmd_stats;
-#undef X
-#define X(name) cmd_stress_##name,
-extern const cli_command CLI_STRESS(X) cmd_stress;
-#undef X
-#define X(name) cmd_angle_##name,
-extern const cli_command CLI_ANGLE(X) cmd_angle;
-#undef X
-
-/* The cells n_failed and failed_for: rows without a result among those that a row of a derived table reads,
- * of this group (groups NULL: of all), with a number from range[0] to range[1] in column x (range NULL: any),
- * and their causes, as in "no_pile:2,overlap:1", "-" for none. A table of grid points has both in columns. */
-#define CLI_FAILED_COLUMNS "n_failed, failed_for"
-const char *cli_failed(rp_arena *arena, const rp_table *table, const rp_groups *groups, size_t group,
-                       const char *x, const double range[2]);
+#define CLI_DERIVED(group, name) cmd_##group##_##name,
+#define CLI_ENTRY(group, name)   &cmd_##group##_##name,
+extern const cli_command CLI_STATS(CLI_DERIVED) CLI_STRESS(CLI_DERIVED) CLI_ANGLE(CLI_DERIVED) cmd_stats;
 
 #endif

@@ -37,7 +37,7 @@ static rp_status print_fit(rp_arena *arena, const stats_xy *points, bool logarit
     for (int i = 0; i < n_lines; i++) RP_TRY(stats_line_fit(points, i == 1, &lines[i]));
     rp_table_header(stdout,
                     "slope [y/x], slope_se [y/x], intercept [y], intercept_se [y], covariance [y^2/x], chi2, "
-                    "dof, p_value, n, x_from [x], x_to [x], residual [y], " CLI_FAILED_COLUMNS ", line");
+                    "dof, p_value, n, x_from [x], x_to [x], residual [y], " RP_FAILED_COLUMNS ", line");
     for (int i = 0; i < n_lines; i++) {
         const stats_line *l = &lines[i];
         double residual = 0.0;
@@ -55,15 +55,15 @@ static rp_status fit_table(cli_call *call, rp_table *table, const void *values)
     const fit_options *o = values;
     const bool weighted = strcmp(o->se, "none") != 0, logarithms = o->scale == SCALE_LOG;
     const rp_choice choice = {.any_status = true, .range = (double[]){o->from, o->to}};
-    char names[512];
     rp_rows rows;
     if (logarithms && weighted)
         return rp_fail(RP_USAGE, "--scale log takes no --se: give one of them; see repose stats fit --help");
-    snprintf(names, sizeof names, weighted ? "%s,%s,%s" : "%s,%s", o->x, o->y, o->se);
+    const char *names =
+        rp_text(call->arena, "%s,%s%s%s", o->x, o->y, weighted ? "," : "", weighted ? o->se : "");
     RP_TRY(rp_rows_read(call->arena, table, names, &choice, &rows));
     double *x = rows.column[0], *y = rows.column[1];
     double range[2];
-    const char *failed = cli_failed(call->arena, table, NULL, 0, o->x, choice.range);
+    const char *failed = rp_failed_text(call->arena, table, NULL, 0, o->x, choice.range);
     cli_table(call, stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", rows.n,
                   rows.n_nan, rows.n_outside);

@@ -58,8 +58,7 @@ static rp_status find_floor(const char *prefix, const double *block, long asked,
                : rp_fail(RP_BAD_INPUT, "%s: no contact with a level floor: name its wall by --floor", prefix);
 }
 
-/* Where heights count from: the lowest point of the floor; without one y = 0, or what contacts reach below.
- */
+/* Where heights count from: the floor's lowest point; without one y = 0, or what contacts reach below. */
 static double ground_of(const stress_pile *p, bool floor)
 {
     double ground = floor ? INFINITY : 0.0, size = 0.0;

@@ -1,6 +1,4 @@
 /* repose stats trend, repose stats size: how a column of a table of runs depends on another. */
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "stats/stats.h"
@@ -36,11 +34,11 @@ CLI_OPTIONS(size, SIZE_OPTIONS)
 #define TREND_COLUMNS                                                                                        \
     "n, n_left, n_x, x_from [x], x_to [x], slope [y/x], slope_se [y/x], dof, change [y], change_se [y], "    \
     "change_lo [y], change_hi [y], p_value, p_holm, bend [y/x^2], bend_se [y/x^2], p_bend, "                 \
-    "change_lo90 [y], change_hi90 [y], p_margin, pair [y], pair_se [y], p_pairs, " CLI_FAILED_COLUMNS        \
+    "change_lo90 [y], change_hi90 [y], p_margin, pair [y], pair_se [y], p_pairs, " RP_FAILED_COLUMNS         \
     ", verdict"
 #define SIZE_COLUMNS                                                                                         \
     "n, n_x, x_from [x], x_to [x], limit [y], limit_se [y], limit_lo [y], limit_hi [y], c [x y], "           \
-    "c_se [x y], c_lo [x y], c_hi [x y], p_value, p_holm, p_bend, " CLI_FAILED_COLUMNS ", status"
+    "c_se [x y], c_lo [x y], c_hi [x y], p_value, p_holm, p_bend, " RP_FAILED_COLUMNS ", status"
 
 /* The rows that count, with columns x, y and, where piles are compared, pile. */
 typedef struct {
@@ -52,15 +50,14 @@ typedef struct {
 static rp_status read_rows(rp_arena *arena, const rp_table *t, const trend_options *o, rows *r)
 {
     const rp_choice choice = {.range = (double[]){o->from, o->to}, .groups = &r->groups};
-    char names[512];
-    snprintf(names, sizeof names, "%s,%s%s", o->x, o->y, o->pair ? ",pile" : "");
+    const char *names = rp_text(arena, "%s,%s%s", o->x, o->y, o->pair ? ",pile" : "");
     RP_TRY(rp_group_rows(arena, t, o->by, '\t', &r->groups));
     RP_TRY(rp_rows_read(arena, t, names, &choice, &r->of));
     for (size_t i = 0; i < r->of.n; i++) {
         double *x = &r->of.column[0][i];
         if (o->scale != SCALE_LINEAR && !(*x > 0.0))
             return rp_fail(RP_BAD_INPUT, "%s:%zu: %s = %g: out of range of this scale, allowed: (0, inf)",
-                           t->places[r->of.row[i]].path, t->places[r->of.row[i]].line, o->x, *x);
+                           RP_PLACE(t, r->of.row[i]), o->x, *x);
         *x = o->scale == SCALE_LOG ? log10(*x) : o->scale == SCALE_INVERSE ? 1.0 / *x : *x;
     }
     return RP_OK;
@@ -139,7 +136,7 @@ static rp_status fit_groups(const cli_call *call, const rp_table *t, const rows 
     RP_TRY(rp_header_by(t, o->by, size ? SIZE_COLUMNS : TREND_COLUMNS));
     for (size_t g = 0; g < n_groups; g++) {
         if (*r->groups.words[g]) printf("%s\t", r->groups.words[g]);
-        const char *failed = cli_failed(call->arena, t, &r->groups, g, o->x, (double[]){o->from, o->to});
+        const char *failed = rp_failed_text(call->arena, t, &r->groups, g, o->x, (double[]){o->from, o->to});
         if (size)
             print_size(call->arena, &fits[g], p_holm[g], failed);
         else
