@@ -548,6 +548,10 @@ static void test_swept(void)
     scoped_table flux = read_table("flux/runs.tsv"), again = read_table("s/tables/runs.tsv");
     CU_ASSERT(cell(&flux, 5, "flux") == cell(&t, 5, "rate") &&
               cell(&again, 5, "rate") == cell(&t, 5, "rate"));
+    /* with another default of what is fixed the streams are others: no row is stored, and none is damaged */
+    SHELL("sed -i 's/mu = 0.2;/mu = 0.25;/' h.cfg && $REPOSE sweep make s.cfg -o s --quiet && cp kept.cfg "
+          "h.cfg "
+          "&& sed -i 's/looks=9/looks=0x9/' s.cfg && $REPOSE sweep make s.cfg -o s --quiet");
     /* another phase is another plan; its rows are made again */
     SHELL("sed -i 's/least = 2000/least = 2100/' h.cfg && $REPOSE sweep plan s.cfg -o s | grep -q "
           "' 0 already stored'");
@@ -668,6 +672,8 @@ static void test_sweeps_refused(void)
         {"experiment = \"h.cfg\"; units = \"si\";", "s.cfg:1: units: the experiment's text has it"},
         {"protocol = \"pile\"; set = [ \"mu=1\" ];", "s.cfg:1: set: changes an experiment"},
         {"experiment = \"h.cfg\"; set = [ \"moo=1\" ];", "moo"},
+        {"experiment = \"h.cfg\"; set = [ \"seed=1\" ];",
+         "set: seed=1: random numbers follow from the sweep's"},
         {"experiment = \"h.cfg\"; fixed = { moo = 0.1; };",
          "fixed.moo: unknown key; allowed: D mu unused N stop"},
         {"experiment = \"h.cfg\"; grid = { D = [1.0, 7.0]; };",
