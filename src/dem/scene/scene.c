@@ -35,10 +35,6 @@ static rp_status read_group(const config_setting_t *root, int number, void *valu
     return rp_config_group(group, SCHEMA(number), values, "if");
 }
 
-const char dem_scene_others[] =
-    "let material gravity normal tangential rolling walls particles fill ground hard implicit phases "
-    "measure regions rest result seed run output require";
-
 /* Phases have one stream, whose seed is that of the text or its first fill. */
 static rp_status check_seeds(const config_setting_t *root)
 {
