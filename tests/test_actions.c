@@ -509,7 +509,7 @@ static void test_profile(void)
           "--every 3 >/dev/null 2>&1 && grep -v '^#' p/profile_mean.tsv >x && grep -v '^#' "
           "whole/profile_mean.tsv | cmp - x");
     SHELL("sed 's/in = \"box\"; at/in = \"half\"; at/' p.cfg >h.cfg");
-    FAILS(1, "no_region: rows: the region goes from y = -inf to inf", "run h.cfg");
+    FAILS(65, "in = \"half\": of profile, a region with two ends in x and y expected", "run h.cfg");
     SHELL("sed 's/bins = 4;/bins = 4; take = \"max\";/' p.cfg >h.cfg");
     FAILS(65, "measure mean: profile has a table of means, and no series", "run h.cfg");
 }

@@ -480,6 +480,9 @@ static void test_run(void)
     FAILS(65, "--set Q=1: no such key or let; lets: D mu", "run h.cfg --set Q=1");
     FAILS(65, "--set Mu=0.3: no such key or let (did you mean \"mu\"?)", "run h.cfg --set Mu=0.3");
     FAILS(65, "let.D: D = 7: out of range, allowed: (0, 6) cm", "run h.cfg --set D=7");
+    SHELL("{ echo 'gravity = [0.0, -900.0]; seed = 7; rest = { force = 0.02; };'; cat h.cfg; } >g.cfg; "
+          "$REPOSE run g.cfg 2>/dev/null | grep '^# digest' >given && $REPOSE run h.cfg --set seed=7 --set "
+          "'gravity=[0.0, -900.0]' --set rest.force=0.02 2>/dev/null | grep '^# digest' | cmp - given");
     FAILS(1, "deep: phase flow, step ", "run h.cfg --set 'phases[1].fail={deep=\"grains<50\"}' -o o");
     CU_ASSERT(strstr(out, "# status: deep") != NULL);
     FAILS(1, "o: the run is done, without a result: deep", "run --resume o");
@@ -545,6 +548,10 @@ static void test_swept(void)
     scoped_table flux = read_table("flux/runs.tsv"), again = read_table("s/tables/runs.tsv");
     CU_ASSERT(cell(&flux, 5, "flux") == cell(&t, 5, "rate") &&
               cell(&again, 5, "rate") == cell(&t, 5, "rate"));
+    /* with another default of what is fixed the streams are others: no row is stored, and none is damaged */
+    SHELL("sed -i 's/mu = 0.2;/mu = 0.25;/' h.cfg && $REPOSE sweep make s.cfg -o s --quiet && cp kept.cfg "
+          "h.cfg "
+          "&& sed -i 's/looks=9/looks=0x9/' s.cfg && $REPOSE sweep make s.cfg -o s --quiet");
     /* another phase is another plan; its rows are made again */
     SHELL("sed -i 's/least = 2000/least = 2100/' h.cfg && $REPOSE sweep plan s.cfg -o s | grep -q "
           "' 0 already stored'");
@@ -665,6 +672,8 @@ static void test_sweeps_refused(void)
         {"experiment = \"h.cfg\"; units = \"si\";", "s.cfg:1: units: the experiment's text has it"},
         {"protocol = \"pile\"; set = [ \"mu=1\" ];", "s.cfg:1: set: changes an experiment"},
         {"experiment = \"h.cfg\"; set = [ \"moo=1\" ];", "moo"},
+        {"experiment = \"h.cfg\"; set = [ \"seed=1\" ];",
+         "set: seed=1: random numbers follow from the sweep's"},
         {"experiment = \"h.cfg\"; fixed = { moo = 0.1; };",
          "fixed.moo: unknown key; allowed: D mu unused N stop"},
         {"experiment = \"h.cfg\"; grid = { D = [1.0, 7.0]; };",
@@ -1043,6 +1052,14 @@ static void test_refused_more(void)
          "regions = { up = { polygon = ( (0.0, 0.0), (1.0, 0.0), (0.0, 1.0) ); }; }; measure = ( { name = "
          "`s`; of = `motion`; in = `up`; }, {",
          "in = \"up\": of motion, a region of x and y expected"},
+        {lift, "measure = ( {",
+         "regions = { up = { y = (0.0, 5.0); }; }; measure = ( { name = `s`; of = `slope`; in = `up`; }, {",
+         "in = \"up\": of slope, a region with two ends in x expected"},
+        {hopper, "name = `packed`; of = `bulk.fraction`; at = `fill`",
+         "name = `above`; of = `y/rate`; during = `flow`",
+         "rate is known at the end of flow, after these samples"},
+        {hopper, "of = `y`; during = `flow`", "of = `y - depth`; during = `fill`",
+         "depth is known at the end of fill, after these samples"},
         {lift, "of = `y`; at = `lie`", "of = `y`; during = `lie`; take = `avalanches`",
          "avalanches are found by drop, or by event"},
         {lift, "v = 2.0", "v = 900.0", "phase up: wall plate needs dt <= "},

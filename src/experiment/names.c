@@ -67,6 +67,22 @@ static rp_status use(exp_plan *plan, const exp_observable *o, exp_scope scope, c
     return RP_OK;
 }
 
+/* Is a measure of samples known while they are taken? */
+static bool is_known_during(const exp_measure *m)
+{
+    return (m->take == TAKE_FIRST || m->take == TAKE_MAX || m->take == TAKE_MIN) && m->skip == 0.0 &&
+           !*m->level_of;
+}
+
+/* Is a measure known only after all samples of measure k: at the end of the same phase or block? */
+static bool is_after_samples(const exp_plan *plan, const exp_measure *m, size_t k)
+{
+    const exp_measure *by = &plan->measures[k];
+    const size_t block = plan->phases[m->phase].block;
+    return by->take != TAKE_VALUE && !m->left_out && !is_known_during(m) &&
+           (m->phase == by->phase || (block != SIZE_MAX && block == plan->phases[by->phase].block));
+}
+
 /* Is a measure taken after measure k? Phases of one block take turns, and a block ends after its phases. */
 static bool is_later(const exp_plan *plan, const exp_measure *m, size_t k)
 {
@@ -89,14 +105,18 @@ static rp_status find_measure(const exp_place *place, const char *name, rp_x_sym
     size_t output;
     const exp_measure *m = exp_measure_of(plan, name, &output);
     if (!m) return RP_OK;
-    const bool during = (m->take == TAKE_FIRST || m->take == TAKE_MAX || m->take == TAKE_MIN) &&
-                        m->phase == place->phase && m->skip == 0.0 && !*m->level_of;
+    const bool during = is_known_during(m) && m->phase == place->phase;
     if (place->phase != SIZE_MAX && m->phase >= place->phase && !during)
         return rp_fail(RP_BAD_INPUT, "%s is measured at %s, after this phase", name,
                        plan->phases[m->phase].name);
     if (place->phase == SIZE_MAX &&
         ((size_t)(m - plan->measures) >= place->measure || is_later(plan, m, place->measure)))
         return rp_fail(RP_BAD_INPUT, "%s is measured after this", name);
+    if (place->phase == SIZE_MAX && is_after_samples(plan, m, place->measure)) {
+        const size_t block = plan->phases[m->phase].block;
+        return rp_fail(RP_BAD_INPUT, "%s is known at the end of %s, after these samples", name,
+                       plan->phases[block == SIZE_MAX ? m->phase : block].name);
+    }
     *symbol = (rp_x_symbol){
         .type = RP_X_NUMBER, .key = plan->outputs[output].name, .id = EXP_ID_MEASURE + (int)output};
     *known = true;

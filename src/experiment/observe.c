@@ -379,7 +379,7 @@ static double wall_force(exp_run *run, const exp_use *use, int component)
     X(OF_PART, moved, 1, 2, RP_X_NUMBER, "", "moved(s, k): marked grains farther than s from their mark, with k contacts or more, and those taken out", moved(run, use, args)) \
     X(OF_PART, cells, 0, 0, RP_X_NUMBER, "", "columns of about d that hold a grain", cells(run, use)) \
     X(OF_PART, rest, 0, 0, RP_X_TRUTH, "", "whether the grains are at rest, by several looks in a row", is_at_rest(run, use)) \
-    X(OF_PART, sliding, 0, 0, RP_X_NUMBER, "", "share of the contacts that press, have friction, and whose shear force is at Coulomb's limit; the module limit asks their springs", sliding(run, use)) \
+    X(OF_PART, sliding, 0, 0, RP_X_NUMBER, "", "share of the contacts that press, have friction, and whose shear force is within 1e-3 of Coulomb's limit; the module limit asks their springs", sliding(run, use)) \
     X(OF_REGION, sxx, 0, 0, RP_X_NUMBER, "dyn/cm", "stress: sum of branch vector times force over area, of contacts whose branch has its middle there; compression positive", over_contacts(run, use).xx / area_now(run, use)) \
     X(OF_REGION, sxy, 0, 0, RP_X_NUMBER, "dyn/cm", "its mixed component, the mean of the two", over_contacts(run, use).xy / area_now(run, use)) \
     X(OF_REGION, syy, 0, 0, RP_X_NUMBER, "dyn/cm", "its component along y", over_contacts(run, use).yy / area_now(run, use)) \

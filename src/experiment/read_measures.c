@@ -139,10 +139,14 @@ static rp_status read_scope(const exp_plan *plan, exp_measure *m)
     RP_TRY(exp_find(plan, EXP_REGION, m->setting, "in", m->in, &m->scope.index));
     const exp_region *r = *m->in ? &plan->regions[m->scope.index] : NULL;
     const bool by_ends = m->module && (m->module->add || m->module->needs & EXP_BOUNDED);
-    return by_ends && r && (r->circle || r->n_points)
-               ? rp_config_fail(in, "in = \"%s\": of %s, a region of x and y expected", m->in,
-                                m->module->name)
-               : RP_OK;
+    const int ends = !by_ends || !r ? 0 : m->module->add ? 4 : 2;
+    if (ends && (r->circle || r->n_points))
+        return rp_config_fail(in, "in = \"%s\": of %s, a region of x and y expected", m->in, m->module->name);
+    for (int k = 0; k < ends; k++)
+        if (r->at[k].x.known && isinf(r->at[k].x.value))
+            return rp_config_fail(in, "in = \"%s\": of %s, a region with two ends in %s expected", m->in,
+                                  m->module->name, ends == 4 ? "x and y" : "x");
+    return RP_OK;
 }
 
 /* The phase of a measure, and what is made of samples there. */

@@ -76,6 +76,10 @@ static rp_status read_head(const char *file, const config_setting_t *root,
                            *units = config_setting_get_member(root, "units"),
                            *protocol = config_setting_get_member(root, "protocol");
     if (set && !text) return rp_config_fail(set, "set: changes an experiment");
+    for (size_t i = 0; i < h->set.n; i++)
+        if (strncmp(h->set.items[i], "seed=", 5) == 0 || strncmp(h->set.items[i], "run=", 4) == 0)
+            return rp_config_fail(set, "set: %s: random numbers follow from the sweep's seed",
+                                  h->set.items[i]);
     if (protocol && *h->experiment) return rp_config_fail(protocol, "protocol: the experiment's text has it");
     return units && *h->experiment ? rp_config_fail(units, "units: the experiment's text has it") : RP_OK;
 }
@@ -344,7 +348,9 @@ static void hash_plan(const sweep_plan *plan, char digits[33])
     char text[512];
     XXH3_128bits_reset(state);
     move_to(plan, 0);
-    const XXH128_hash_t first = plan->protocol->hash ? plan->at->hash : plan->fixed_hash;
+    /* streams follow from how a text is given, too */
+    const XXH128_hash_t first =
+        plan->protocol->hash ? rp_hash_add(plan->at->hash, plan->fixed_hash) : plan->fixed_hash;
     int n = snprintf(text, sizeof text, "%s outputs=%016llx seed=%lu shared=%d replicas=%zu points=%zu",
                      plan->model, (unsigned long long)hash_outputs(plan->protocol), plan->seed,
                      plan->shared_piles, plan->replicas, plan->n_points);

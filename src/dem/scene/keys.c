@@ -164,6 +164,10 @@ static const rp_param fill_schema[] = {
      "of a row or lattice, from centre to centre; auto: so that grains touch"},
     {0}};
 
+const char dem_scene_others[] =
+    "let material gravity normal tangential rolling walls particles fill ground hard implicit phases "
+    "measure regions rest result seed run output require";
+
 const dem_scene_group dem_scene_schemas[] = {
     {"scene", top_schema, "what all grains share, and the run; gravity = [gx, gy] (cm/s^2)"},
     {"normal", normal_schema, "force of a contact along the line of centres; overlap x, parting at v_n"},

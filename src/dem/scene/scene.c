@@ -54,9 +54,6 @@ static rp_status check_seeds(const config_setting_t *root)
 
 rp_status dem_text_scene(dem_text *text, dem_scene *scene)
 {
-    static const char others[] =
-        "let material gravity normal tangential rolling walls particles fill ground hard implicit phases "
-        "measure regions rest result seed run output require";
     static const char *const of_phases[] = {"measure", "regions", "rest", "result", NULL};
     config_setting_t *root = config_root_setting(&text->config);
     dem_definition *def = &scene->def;
@@ -68,7 +65,7 @@ rp_status dem_text_scene(dem_text *text, dem_scene *scene)
     text->lets.know = dem_know, text->lets.call = dem_call, text->lets.host = text;
     RP_TRY(rp_lets_read(root, &text->lets));
     if (member(root, "gravity")) RP_TRY(rp_config_pair(member(root, "gravity"), def->gravity));
-    RP_TRY(rp_config_group(root, SCHEMA(TOP), scene, others));
+    RP_TRY(rp_config_group(root, SCHEMA(TOP), scene, dem_scene_others));
     scene->has_density = member(root, "density") != NULL;
     def->skin = fmax(def->skin, 0.0);
     dem_ends_apply(&scene->laws, def);

@@ -40,9 +40,9 @@ static rp_status step_into(char *name, const char *text, config_setting_t **grou
 {
     const long i = take_index(name);
     config_setting_t *at = member(*group, name);
-    for (int k = NORMAL; k <= ROLLING && !at && i == -1 && config_setting_is_root(*group); k++)
-        if (strcmp(name, dem_scene_schemas[k].name) == 0) /* laws have defaults */
-            at = config_setting_add(*group, name, CONFIG_TYPE_GROUP);
+    if (!at && i == -1 && config_setting_is_root(*group) &&
+        rp_word_index("normal tangential rolling rest output", name) >= 0) /* all their keys have defaults */
+        at = config_setting_add(*group, name, CONFIG_TYPE_GROUP);
     rp_guess guess = rp_guess_of(name);
     for (size_t k = 0; k < length(*group); k++) rp_guess_try(&guess, config_setting_name(element(*group, k)));
     if (!at)
@@ -96,9 +96,8 @@ static rp_status check_let(const dem_text *scene, const char *key, const char *t
     rp_guess guess = rp_guess_of(key);
     char names[512] = "; lets:";
     size_t used = strlen(names);
-    for (const dem_scene_group *g = dem_scene_schemas; g->name; g++)
-        if (strcmp(g->name, key) == 0 || (g == dem_scene_schemas && rp_params_find(g->schema, key)))
-            return RP_OK;
+    if (rp_word_index(dem_scene_others, key) >= 0 || rp_params_find(dem_scene_schemas->schema, key))
+        return RP_OK;
     for (size_t k = 0; lets && k < length(lets); k++) {
         const char *name = config_setting_name(element(lets, k));
         rp_guess_try(&guess, name);
