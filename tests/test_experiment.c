@@ -593,6 +593,7 @@ static void test_shared_ends(void)
                              "! ls left%d/snapshots | grep -vq end$",
                              damaged) == 0);
     }
+    SHELL("diff -r left0/snapshots left1/snapshots"); /* they have been made again */
 }
 
 static const char beds[] =
@@ -654,6 +655,58 @@ static void test_other_measures(void)
     FAILS(65, "end_bed.state: poured is not in it", "run l.cfg --from whole");
     SHELL("sed 's/from = \"bed\"/from = \"pour\"/' e.cfg >l.cfg");
     FAILS(65, "end_bed.state: the end of pour is not in it", "run l.cfg --from whole");
+}
+
+/* A folder whose text becomes another has the rows of a new sweep; so have its shards, which are not merged.
+ */
+static void test_other_texts(void)
+{
+#define BOTTOM "{ name = `bed`; steps = 500; keep = true; }"
+#define FALLS(steps)                                                                                         \
+    "{ name = `hit`; gravity_turn_deg_per_step = 0.013; add = { r = 0.1; x = 1.0; y = `touch + 0.1`; vy = "  \
+    "-5.0; }; steps = " steps "; keep = true; }"
+#define MORE(keys) "{ name = `more`; " keys " steps = 30; }"
+#define LEFT(end)  "{ name = `at_left`; of = `left`; at = `" end "`; }"
+#define TILT       "{ name = `tilt`; of = `tilt_deg`; }, { name = `met`; of = `touched ? 1 : 0`; }"
+#define LOOKS      "{ name = `looks`; of = `height`; during = `hit`; every = 7; }, "
+    static const char *const cases[][6] = {
+        /* phases, measures and more of the sweep, before and after: what follows the end of a phase is that
+           of the new text */
+        {BOTTOM, LEFT("bed"), "", BOTTOM ", " MORE(""), LEFT("more"), ""},
+        {BOTTOM ", " MORE(""), LEFT("more"), "", BOTTOM, LEFT("bed"), ""},
+        {BOTTOM, LEFT("bed"), "", MORE("if = false;") ", " BOTTOM, TILT, ""},
+        /* tilt and touch may differ where another measure looks */
+        {BOTTOM ", " FALLS("331"), LOOKS TILT, "", BOTTOM ", " FALLS("331"), TILT, ""},
+        {BOTTOM ", " FALLS("331"), TILT, "", BOTTOM ", " FALLS("400"), TILT, ""},
+        /* a change at some grid points alone; of the streams alone */
+        {BOTTOM ", " MORE("if = `v > 6`;"), LEFT("bed"), "", BOTTOM ", " MORE("if = `v > 6`; damp = true;"),
+         LEFT("bed"), ""},
+        {BOTTOM, LEFT("bed"), "", BOTTOM, LEFT("bed"), "set = [`walls[0].closed=false`];"},
+        /* a measure that goes */
+        {BOTTOM, LEFT("bed") ", " TILT, "", BOTTOM, LEFT("bed"), ""}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        for (size_t i = 0; i < 6; i += 3) {
+            write_text(
+                i ? "f.cfg" : "e.cfg",
+                "let = { v = 5.0; };\ndt = 1e-4; normal = { k_n = 1e5; }; tangential = { law = `spring`; mu "
+                "= `v/20`; };\n"
+                "walls = ( { polygon = ( (0.0, 9.0), (0.0, 0.0), (2.0, 0.0), (2.0, 9.0) ); closed = "
+                "false; } );\nfill = { N = 20; W = 2.0; H = 2.0; };\nphases = ( %s );\nmeasure = ( %s );\n",
+                cases[k][i], cases[k][i + 1]);
+            write_text(i ? "t.cfg" : "s.cfg",
+                       "experiment = `e.cfg`; replicas = 2; seed = 5; grid = { v = [5.0, 9.0]; }; %s\n",
+                       cases[k][i + 2]);
+        }
+        SHELL("sed -i 's/`/\"/g' [efst].cfg; rm -rf old new; $REPOSE sweep plan s.cfg -o old >out");
+        for (int shard = k < 7 ? 0 : 1; shard < (k < 7 ? 1 : 3); shard++)
+            GOOD(shard ? "sweep run old -j 1 --quiet --shard %d/2" : "sweep run old -j 1 --quiet", shard);
+        CU_ASSERT(
+            shell_line("mv f.cfg e.cfg; mv t.cfg s.cfg; for d in old new; do $REPOSE sweep plan s.cfg "
+                       "-o $d && %s$REPOSE sweep run $d -j 1 --quiet && $REPOSE sweep digest $d "
+                       ">$d.txt || exit 9; done >out && cmp old.txt new.txt",
+                       k < 7 ? ""
+                             : "{ [ $d = new ] || $REPOSE sweep merge $d | grep ' 4 rows of 2'; } && ") == 0);
+    }
 }
 
 static void test_sweeps_refused(void)
@@ -1120,4 +1173,4 @@ CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, te
                    test_flanks_of_touching, test_avalanches, test_limits_of_radii, test_more_modules,
                    test_mean_grain, test_refused_more, test_cuts, test_kept, test_where, test_started_at,
                    test_words, test_refused, test_keys, test_random_texts, test_run, test_resumed, test_swept,
-                   test_shared_ends, test_other_measures, test_sweeps_refused)
+                   test_shared_ends, test_other_measures, test_other_texts, test_sweeps_refused)

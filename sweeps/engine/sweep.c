@@ -179,6 +179,29 @@ static rp_status write_text(const char *path, const char *text)
     return rp_file_close(path, out, RP_OK);
 }
 
+/* Open the store of a shard, and write the plan into it. */
+static rp_status plan_shard(const char *path, const sweep_plan *plan, const sweep_plan *before,
+                            const char *file, sweep_folder *shard)
+{
+    const char *lock;
+    RP_TRY(rp_path(&shard->memory, &lock, "%s.lock", path));
+    RP_TRY(take_lock(lock, path, &shard->lock));
+    RP_TRY(sweep_store_open(path, SWEEP_CREATE, &shard->store));
+    return sweep_store_write_plan(shard->store, plan, before, file, NULL);
+}
+
+/* With another text the rows of all shards are looked through as those of the folder's store. */
+static rp_status plan_shards(sweep_folder *f, const sweep_plan *before, const char *file)
+{
+    RP_ENDS(rp_paths_free) rp_paths shards = {0};
+    RP_TRY(find_shards(f, f->shards, &shards));
+    for (size_t i = 0; i < shards.n; i++) {
+        RP_ENDS(sweep_folder_close) sweep_folder shard = {.lock = -1};
+        RP_TRY(plan_shard(shards.path[i], &f->plan, before, file, &shard));
+    }
+    return RP_OK;
+}
+
 /* Write the plan, beside what the folder has of the one before. */
 static rp_status plan_again(sweep_folder *f, const sweep_protocol *const *protocols, const char *file,
                             sweep_watch *watch)
@@ -193,6 +216,7 @@ static rp_status plan_again(sweep_folder *f, const sweep_protocol *const *protoc
     const bool known = was && strcmp(text, was) != 0 && rp_units_now() == units &&
                        !sweep_plan_replicate(&before, f->plan.replicas);
     rp_units_set(units);
+    if (other) RP_TRY(plan_shards(f, known ? &before : NULL, file));
     return sweep_store_write_plan(f->store, &f->plan, known ? &before : NULL, file, watch);
 }
 
@@ -226,8 +250,9 @@ static rp_status mark_store(const char *path, const sweep_plan *plan, unsigned c
     char hash[33];
     rp_status status = sweep_store_open(path, SWEEP_READ, &store);
     if (!status) status = sweep_store_note(store, "main", "plan", hash, sizeof hash);
-    if (!status) status = sweep_store_check_rows(store, "main", path, plan);
-    if (!status && strcmp(hash, plan->hash) == 0) status = sweep_store_mark(store, plan->n_runs, done);
+    const bool same = !status && strcmp(hash, plan->hash) == 0;
+    if (same) status = sweep_store_check_rows(store, "main", path, plan);
+    if (same && !status) status = sweep_store_mark(store, plan->n_runs, done);
     sweep_store_close(store);
     return status;
 }
@@ -254,7 +279,7 @@ static rp_status find_todo(sweep_folder *f, const sweep_options *options, size_t
 /* A shard has a store of its own, so that machines that share a folder need no lock between them. */
 static rp_status open_shard(const sweep_options *options, sweep_folder *f)
 {
-    const char *folder, *path, *lock;
+    const char *folder, *path;
     char file[256];
     rp_status status = sweep_store_note(f->store, "main", "file", file, sizeof file);
     sweep_store_close(f->store);
@@ -262,11 +287,8 @@ static rp_status open_shard(const sweep_options *options, sweep_folder *f)
     RP_TRY(status);
     RP_TRY(rp_path(&f->memory, &folder, "%s/shards", f->dir));
     RP_TRY(rp_path(&f->memory, &path, "%s/%d-of-%d.sqlite", folder, options->shard, options->shards));
-    RP_TRY(rp_path(&f->memory, &lock, "%s.lock", path));
     RP_TRY(make_folder(folder));
-    RP_TRY(take_lock(lock, path, &f->lock));
-    RP_TRY(sweep_store_open(path, SWEEP_CREATE, &f->store));
-    RP_TRY(sweep_store_write_plan(f->store, &f->plan, NULL, file, NULL));
+    RP_TRY(plan_shard(path, &f->plan, NULL, file, f));
     return sweep_store_check_rows(f->store, "main", path, &f->plan);
 }
 
