@@ -709,6 +709,29 @@ static void test_other_texts(void)
     }
 }
 
+/* The snapshot of a run by a text with other phases kept or left out, of which the run is the same. */
+static void test_other_snapshots(void)
+{
+    static const char *const phases[] = {"steps = 300000; }", "steps = 300000; keep = true; }",
+                                         "steps = 300000; }, { name = \"no\"; if = false; steps = 1; }"};
+    write_text("s.cfg", "experiment = \"e.cfg\"; replicas = 1;\n");
+    for (size_t k = 0; k < 3; k++) {
+        write_text(
+            "e.cfg",
+            "dt = 1e-4; normal = { k_n = 1e5; };\n"
+            "walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); } );\nfill = { N = 20; W = 2.0; H = "
+            "2.0; };\nphases = ( { name = \"bed\"; %s );\nmeasure = ( { name = \"top\"; of = \"height\"; at "
+            "= \"bed\"; } );\n",
+            phases[k]);
+        CU_ASSERT(
+            shell_line("d=old%zu; $REPOSE sweep plan s.cfg -o $d >out; if [ $d = old0 ]; then timeout -s INT "
+                       "0.2 $REPOSE sweep run old0 --quiet >out 2>&1; cp -r old0 old1; cp -r old0 old2; "
+                       "fi; $REPOSE sweep run $d --quiet >out && $REPOSE sweep digest $d >$d.txt && cmp "
+                       "$d.txt old0.txt",
+                       k) == 0);
+    }
+}
+
 static void test_sweeps_refused(void)
 {
     static const char *const cases[][2] = {
@@ -1173,4 +1196,5 @@ CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, te
                    test_flanks_of_touching, test_avalanches, test_limits_of_radii, test_more_modules,
                    test_mean_grain, test_refused_more, test_cuts, test_kept, test_where, test_started_at,
                    test_words, test_refused, test_keys, test_random_texts, test_run, test_resumed, test_swept,
-                   test_shared_ends, test_other_measures, test_other_texts, test_sweeps_refused)
+                   test_shared_ends, test_other_measures, test_other_texts, test_other_snapshots,
+                   test_sweeps_refused)
