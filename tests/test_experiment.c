@@ -765,6 +765,8 @@ static void test_sweeps_refused(void)
     write_text("included.cfg", "@include \"h.cfg\"\n");
     CHECK_REFUSED(cases, "s.cfg", "sweep plan s.cfg -o s");
     SHELL("[ ! -e s ]");
+    SHELL("mkdir d && for c in run merge salvage; do $REPOSE sweep $c d 2>out; grep -q 'd/sweep.cfg: cannot "
+          "read' out || exit 9; done; rmdir d"); /* a folder of no sweep stays as it is */
 }
 
 /* ---- walls, modules and avalanches ---- */

@@ -44,9 +44,12 @@ static rp_status name_files(const char *dir, sweep_folder *f)
     return rp_path(&f->memory, &f->shards, "%s/shards", dir);
 }
 
-static rp_status lock_folder(sweep_folder *f)
+/* A folder without a plan that should have one stays as it is. */
+static rp_status lock_folder(sweep_folder *f, bool planned)
 {
     const char *path;
+    if (planned && access(f->dir, F_OK) == 0 && access(f->cfg, F_OK) != 0)
+        return rp_fail(RP_BAD_INPUT, "%s: cannot read: %s", f->cfg, strerror(errno));
     RP_TRY(rp_path(&f->memory, &path, "%s/lock", f->dir));
     return take_lock(path, f->dir, &f->lock);
 }
@@ -216,7 +219,7 @@ static rp_status plan_again(sweep_folder *f, const sweep_protocol *const *protoc
     const bool known = was && strcmp(text, was) != 0 && rp_units_now() == units &&
                        !sweep_plan_replicate(&before, f->plan.replicas);
     rp_units_set(units);
-    if (other) RP_TRY(plan_shards(f, known ? &before : NULL, file));
+    if (other && (!was || strcmp(text, was) != 0)) RP_TRY(plan_shards(f, known ? &before : NULL, file));
     return sweep_store_write_plan(f->store, &f->plan, known ? &before : NULL, file, watch);
 }
 
@@ -232,7 +235,7 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
         if (watch) watch("grid points checked", i + 1, f.plan.n_points);
     }
     RP_TRY(claim(&f, file));
-    RP_TRY(lock_folder(&f));
+    RP_TRY(lock_folder(&f, false));
     RP_TRY(sweep_store_open(f.sqlite, SWEEP_CREATE, &f.store));
     RP_TRY(plan_again(&f, protocols, file, watch));
     const char *experiment = sweep_protocol_bytes(f.plan.protocol);
@@ -320,7 +323,7 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
         return rp_fail(RP_BAD_INPUT, "shard = %d/%d: out of range, allowed: 1/%d to %d/%d", options->shard,
                        options->shards, options->shards, options->shards, options->shards);
     RP_TRY(name_files(dir, &f));
-    if (whole) RP_TRY(lock_folder(&f));
+    if (whole) RP_TRY(lock_folder(&f, true));
     RP_TRY(open_main(protocols, whole ? SWEEP_WRITE : SWEEP_READ, &f));
     if (!whole) RP_TRY(open_shard(options, &f));
     RP_TRY(sweep_store_drop_crashed(f.store));
@@ -400,7 +403,7 @@ rp_status sweep_merge(const char *dir, const sweep_protocol *const *protocols, s
     RP_ENDS(sweep_folder_close) sweep_folder f;
     RP_ENDS(rp_paths_free) rp_paths sources = {0};
     RP_TRY(name_files(dir, &f));
-    RP_TRY(lock_folder(&f));
+    RP_TRY(lock_folder(&f, true));
     RP_TRY(open_main(protocols, SWEEP_WRITE, &f));
     if (n == 0) RP_TRY(find_shards(&f, f.shards, &sources));
     for (size_t i = 0; i < n; i++) RP_TRY(add_source(&f, paths[i], &sources));
@@ -449,7 +452,7 @@ rp_status sweep_salvage(const char *dir, const sweep_protocol *const *protocols,
     RP_TRY(name_files(dir, &f));
     RP_TRY(rp_path(&f.memory, &kept, "%s/damaged.sqlite", dir));
     RP_TRY(rp_path(&f.memory, &made, "%s/salvaged.sqlite", dir));
-    RP_TRY(lock_folder(&f));
+    RP_TRY(lock_folder(&f, true));
     RP_TRY(sweep_plan_read(f.cfg, protocols, &f.plan));
     if (access(f.sqlite, F_OK) != 0) return rp_fail(RP_BAD_INPUT, "%s: no store", f.sqlite);
     RP_TRY(check_no_store(&f, kept));
