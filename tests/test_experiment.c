@@ -315,6 +315,10 @@ static void test_words(void)
         {hopper, "grains < stop", "not (sqrt(-height) < 5)", "no_number"},
         {hopper, "held(energy < 1e-3, 3)`", "rest`; most = 4000", "not_at_rest"},
         {hopper, "take = `rate`", "when = `grains < 0`; take = `rate`", "no_samples"},
+        {hopper, "`out`; during = `flow`; take = `rate`", "`sqrt(8 - out)`; during = `flow`; take = `max`",
+         "no_samples"},
+        {hopper, "`out`; during = `flow`; take = `rate`",
+         "`sqrt(8 - out)`; during = `flow`; take = `max`; series = true", "no_samples"},
         {hopper, "clogged = `rest`", "narrow = `D < 2`", "narrow"},
         {hopper, "clogged = `rest`", "narrow = `D > 2`", "ok"},
         {hopper, "phases = (",
@@ -333,6 +337,9 @@ static void test_refused(void)
          "unknown name bulk.grain (did you mean \"bulk.grains\"?)"},
         {hopper, "grains < stop", "D > 3", "until \"D > 3\" never changes"},
         {hopper, "take = `rate`", "take = `line`", "take = \"line\" goes with against"},
+        {hopper, "y = [0.0, 1.0]", "y = (0.0, `rest ? 1 : 2`)",
+         "bulk: held and rest count looks; not in a region"},
+        {hopper, "y = [0.0, 1.0]", "y = (0.0, `held(height < 1, 3) ? 1 : 2`)", "not in a region"},
         {hopper, "take = `rate`", "take = `rate`; against = `t`", "take = \"line\" goes with against"},
         {hopper, "clogged = `rest`", "clogged = true", "clogged = 1 never changes"},
         {hopper, "phases = (", "result = `D > 2 ? 'ok' : 'narrow'`; phases = (",
@@ -600,6 +607,7 @@ static void test_shared_ends(void)
                              "! ls left%d/snapshots | grep -vq end$",
                              damaged) == 0);
     }
+    SHELL("diff -r left0/snapshots left1/snapshots"); /* they have been made again */
 }
 
 static const char beds[] =
@@ -663,6 +671,81 @@ static void test_other_measures(void)
     FAILS(65, "end_bed.state: the end of pour is not in it", "run l.cfg --from whole");
 }
 
+/* A folder whose text becomes another has the rows of a new sweep; so have its shards, which are not merged.
+ */
+static void test_other_texts(void)
+{
+#define BOTTOM "{ name = `bed`; steps = 500; keep = true; }"
+#define FALLS(steps)                                                                                         \
+    "{ name = `hit`; gravity_turn_deg_per_step = 0.013; add = { r = 0.1; x = 1.0; y = `touch + 0.1`; vy = "  \
+    "-5.0; }; steps = " steps "; keep = true; }"
+#define MORE(keys) "{ name = `more`; " keys " steps = 30; }"
+#define LEFT(end)  "{ name = `at_left`; of = `left`; at = `" end "`; }"
+#define TILT       "{ name = `tilt`; of = `tilt_deg`; }, { name = `met`; of = `touched ? 1 : 0`; }"
+#define LOOKS      "{ name = `looks`; of = `height`; during = `hit`; every = 7; }, "
+    static const char *const cases[][6] = {
+        /* phases, measures and more of the sweep, before and after: what follows the end of a phase is that
+           of the new text */
+        {BOTTOM, LEFT("bed"), "", BOTTOM ", " MORE(""), LEFT("more"), ""},
+        {BOTTOM ", " MORE(""), LEFT("more"), "", BOTTOM, LEFT("bed"), ""},
+        {BOTTOM, LEFT("bed"), "", MORE("if = false;") ", " BOTTOM, TILT, ""},
+        /* tilt and touch may differ where another measure looks */
+        {BOTTOM ", " FALLS("331"), LOOKS TILT, "", BOTTOM ", " FALLS("331"), TILT, ""},
+        {BOTTOM ", " FALLS("331"), TILT, "", BOTTOM ", " FALLS("400"), TILT, ""},
+        /* a change at some grid points alone; of the streams alone */
+        {BOTTOM ", " MORE("if = `v > 6`;"), LEFT("bed"), "", BOTTOM ", " MORE("if = `v > 6`; damp = true;"),
+         LEFT("bed"), ""},
+        {BOTTOM, LEFT("bed"), "", BOTTOM, LEFT("bed"), "set = [`walls[0].closed=false`];"},
+        /* a measure that goes */
+        {BOTTOM, LEFT("bed") ", " TILT, "", BOTTOM, LEFT("bed"), ""}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        for (size_t i = 0; i < 6; i += 3) {
+            write_text(
+                i ? "f.cfg" : "e.cfg",
+                "let = { v = 5.0; };\ndt = 1e-4; normal = { k_n = 1e5; }; tangential = { law = `spring`; mu "
+                "= `v/20`; };\n"
+                "walls = ( { polygon = ( (0.0, 9.0), (0.0, 0.0), (2.0, 0.0), (2.0, 9.0) ); closed = "
+                "false; } );\nfill = { N = 20; W = 2.0; H = 2.0; };\nphases = ( %s );\nmeasure = ( %s );\n",
+                cases[k][i], cases[k][i + 1]);
+            write_text(i ? "t.cfg" : "s.cfg",
+                       "experiment = `e.cfg`; replicas = 2; seed = 5; grid = { v = [5.0, 9.0]; }; %s\n",
+                       cases[k][i + 2]);
+        }
+        SHELL("sed -i 's/`/\"/g' [efst].cfg; rm -rf old new; $REPOSE sweep plan s.cfg -o old >out");
+        for (int shard = k < 7 ? 0 : 1; shard < (k < 7 ? 1 : 3); shard++)
+            GOOD(shard ? "sweep run old -j 1 --quiet --shard %d/2" : "sweep run old -j 1 --quiet", shard);
+        CU_ASSERT(
+            shell_line("mv f.cfg e.cfg; mv t.cfg s.cfg; for d in old new; do $REPOSE sweep plan s.cfg "
+                       "-o $d && %s$REPOSE sweep run $d -j 1 --quiet && $REPOSE sweep digest $d "
+                       ">$d.txt || exit 9; done >out && cmp old.txt new.txt",
+                       k < 7 ? ""
+                             : "{ [ $d = new ] || $REPOSE sweep merge $d | grep ' 4 rows of 2'; } && ") == 0);
+    }
+}
+
+/* The snapshot of a run by a text with other phases kept or left out, of which the run is the same. */
+static void test_other_snapshots(void)
+{
+    static const char *const phases[] = {"steps = 300000; }", "steps = 300000; keep = true; }",
+                                         "steps = 300000; }, { name = \"no\"; if = false; steps = 1; }"};
+    write_text("s.cfg", "experiment = \"e.cfg\"; replicas = 1;\n");
+    for (size_t k = 0; k < 3; k++) {
+        write_text(
+            "e.cfg",
+            "dt = 1e-4; normal = { k_n = 1e5; };\n"
+            "walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); } );\nfill = { N = 20; W = 2.0; H = "
+            "2.0; };\nphases = ( { name = \"bed\"; %s );\nmeasure = ( { name = \"top\"; of = \"height\"; at "
+            "= \"bed\"; } );\n",
+            phases[k]);
+        CU_ASSERT(
+            shell_line("d=old%zu; $REPOSE sweep plan s.cfg -o $d >out; if [ $d = old0 ]; then timeout -s INT "
+                       "0.2 $REPOSE sweep run old0 --quiet >out 2>&1; cp -r old0 old1; cp -r old0 old2; "
+                       "fi; $REPOSE sweep run $d --quiet >out && $REPOSE sweep digest $d >$d.txt && cmp "
+                       "$d.txt old0.txt",
+                       k) == 0);
+    }
+}
+
 static void test_sweeps_refused(void)
 {
     static const char *const cases[][2] = {
@@ -698,6 +781,8 @@ static void test_sweeps_refused(void)
     write_text("included.cfg", "@include \"h.cfg\"\n");
     CHECK_REFUSED(cases, "s.cfg", "sweep plan s.cfg -o s");
     SHELL("[ ! -e s ]");
+    SHELL("mkdir d && for c in run merge salvage; do $REPOSE sweep $c d 2>out; grep -q 'd/sweep.cfg: cannot "
+          "read' out || exit 9; done; rmdir d"); /* a folder of no sweep stays as it is */
 }
 
 /* ---- walls, modules and avalanches ---- */
@@ -1143,4 +1228,5 @@ CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, te
                    test_flanks_of_touching, test_avalanches, test_limits_of_radii, test_more_modules,
                    test_mean_grain, test_refused_more, test_cuts, test_kept, test_where, test_started_at,
                    test_words, test_refused, test_keys, test_random_texts, test_run, test_resumed, test_swept,
-                   test_shared_ends, test_other_measures, test_sweeps_refused)
+                   test_shared_ends, test_other_measures, test_other_texts, test_other_snapshots,
+                   test_sweeps_refused)

@@ -947,9 +947,10 @@ static void test_further_output(void)
     sql("DELETE FROM runs WHERE further = 'none'");
     CHECK_OK(sweep_merge(dir, later, 1, (char *const[]){other}, &m, &c));
     CU_ASSERT(m.taken == 4 && c.stored == 6);
-    CHECK_FAILS(
-        sweep_prepare(file, dir, 0, toys, NULL, &c), RP_BAD_INPUT,
-        "its runs have the output further, which this version of the program lacks; plan in another folder");
+    CHECK_FAILS(sweep_prepare(file, dir, 0, toys, NULL, &c), RP_BAD_INPUT,
+                "its runs have the output further, which the text, or this version of the program, lacks; "
+                "plan in another "
+                "folder");
     CHECK_OK(sweep_status(dir, later, &c)); /* and the refused plan changed nothing */
 }
 

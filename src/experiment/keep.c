@@ -5,6 +5,7 @@
 
 #include "core/random.h"
 #include "experiment/private.h"
+#include "table/columns.h"
 
 #define ANOTHER "a run of another file"
 
@@ -79,7 +80,7 @@ static void keep_ids(rp_snapshot *s, exp_run *run)
 
 uint64_t exp_keep_layout(void)
 {
-    return sizeof((exp_run *)NULL)->at << 10 ^ sizeof(exp_sampled) ^ 1;
+    return sizeof((exp_run *)NULL)->at << 10 ^ sizeof(exp_sampled) ^ 2;
 }
 
 static void keep_measure(rp_snapshot *s, exp_run *run, size_t k)
@@ -173,6 +174,18 @@ static void keep_counters(rp_snapshot *s, const exp_run *run, const size_t state
     keep_array(s, run->counters + states[0], states[1] - states[0]);
 }
 
+/* The place at the end of a phase, whatever this text has after it. */
+static void keep_end(rp_snapshot *s, exp_run *run, size_t phase)
+{
+    const size_t next = run->at.phase;
+    const bool done = run->at.done;
+    const char word = *run->at.end.status;
+    if (done && !*run->at.end.message) *run->at.end.status = '\0'; /* of no phase that was gone on from */
+    run->at.phase = phase, run->at.done = false;
+    keep_place(s, run, phase + 1);
+    run->at.phase = next, run->at.done = done, *run->at.end.status = word;
+}
+
 /* Hashes of the measures, steps of the phase, phases before that can be gone back to, the place; the bytes of
  * each measure. */
 static rp_status write_end(exp_run *run, size_t phase)
@@ -186,7 +199,7 @@ static rp_status write_end(exp_run *run, size_t phase)
     rp_keep(s, m.of, m.n * sizeof *m.of);
     RP_KEEP(s, run->at.phase_step);
     for (size_t k = 0; k < phase; k++) rp_keep(s, &(bool){run->saved[k].sim != NULL}, sizeof(bool));
-    keep_place(s, run, phase + 1);
+    keep_end(s, run, phase);
     keep_counters(s, run, run->plan->phases[phase].states);
     for (size_t k = 0; k < phase; k++)
         if (run->saved[k].sim) keep_saved(s, run->plan, &run->saved[k]);
@@ -203,7 +216,7 @@ static rp_status write_end(exp_run *run, size_t phase)
 
 void exp_keep_end(exp_run *run, size_t phase)
 {
-    run->failed = write_end(run, phase);
+    if (!run->at.done || rp_is_result(run->at.end.status)) run->failed = write_end(run, phase);
 }
 
 /* Steps of a phase; -1: it ends by a condition, or by what the run alone knows. */
@@ -233,8 +246,8 @@ static rp_status read_head(rp_snapshot *s, const exp_plan *plan, size_t phase, r
     rp_keep(s, m->of, m->n * sizeof *m->of);
     RP_KEEP(s, steps);
     *left = steps_of(p) < 0 ? 0 : steps_of(p) - steps;
-    /* what fails counts its looks, and the end is one */
-    const bool more = p->n_fails > 0 && (steps - p->least) % p->every != 0;
+    /* what fails counts its looks, and the end is one, at which a grain may touch */
+    const bool more = exp_names(plan, "touched") || (p->n_fails > 0 && (steps - p->least) % p->every != 0);
     if (*left < 0 || (*left > 0 && (more || exp_present(plan, phase + 1, plan->n_phases) < plan->n_phases)))
         return rp_fail(RP_NO_RESULT, "%s: %s with %ld steps", s->path, p->name, steps);
     rp_keep(s, *back, phase * sizeof **back);
@@ -256,24 +269,21 @@ static rp_status read_head(rp_snapshot *s, const exp_plan *plan, size_t phase, r
     return s->status;
 }
 
-/* What follows the end of a phase: measures that other texts lack, and the end of the run. */
+/* What follows the end of a phase: measures that other texts lack, the next phase or the end of the run. */
 static void end_again(exp_run *run, size_t phase, const bool known[])
 {
-    const bool done = run->at.done;
-    const size_t next = run->at.phase;
-    if (run->plan->phases[phase].is_source) exp_save(run, phase);
-    if (done && strcmp(run->at.end.status, run->plan->result) == 0) *run->at.end.status = '\0';
-    run->at.phase = phase, run->at.done = false;
+    const exp_plan *plan = run->plan;
+    if (plan->phases[phase].is_source) exp_save(run, phase);
     exp_measure_again(run, phase, known);
-    run->at.phase = next;
-    if (done) exp_end_run(run);
+    if (run->at.done || run->failed) return;
+    run->at.phase = exp_present(plan, phase + 1, plan->n_phases);
+    if (run->at.phase == plan->n_phases) exp_end_run(run);
 }
 
 /* The last phase has more steps than where the state was left. */
 static void go_on(exp_run *run, size_t phase, long left)
 {
-    if (strcmp(run->at.end.status, run->plan->result) == 0) *run->at.end.status = '\0';
-    run->at.phase = phase, run->at.done = false, run->at.started = true;
+    run->at.started = true;
     run->at.most = run->at.phase_step + left;
     run->passed[phase].passes = 0;
     for (size_t k = 0; k < run->plan->n_measures; k++) {
@@ -307,7 +317,7 @@ rp_status exp_begin(exp_run *run, size_t k, rp_snapshot *s)
         rp_snapshot_free(&one);
     }
     RP_TRY(rp_snapshot_end(s));
-    if (run->at.phase <= phase && !run->at.done) return rp_fail(RP_BAD_INPUT, "%s: a state within", s->path);
+    if (run->at.phase != phase || run->at.done) return rp_fail(RP_BAD_INPUT, "%s: a state within", s->path);
     if (left > 0) return go_on(run, phase, left), RP_OK;
     end_again(run, phase, known);
     if (!run->failed) exp_keep_end(run, phase);

@@ -49,7 +49,7 @@ static void put_phase(const writer *w, const exp_phase *p, bool goes_on)
     const exp_plan *const plan = w->plan;
     FILE *const out = w->out;
     static const char *const ends[] = {"steps", "time", "until"};
-    if (p->left_out) return;
+    if (p->left_out) fputs("no ", out);
     fprintf(out, "phase %s of %ld every=%ld least=%ld most=%ld on=%d mark=%d status=%s repeat=%ld", p->name,
             p->block == SIZE_MAX ? -1L : (long)p->block, p->every, p->least, p->most, p->go_on, p->mark,
             p->status, p->repeat);
@@ -113,7 +113,7 @@ static void put_measure(const writer *w, const exp_measure *m)
     fputc('\n', out);
 }
 
-/* The scene, and phases before `end`. */
+/* The scene, and phases before `end`: of these those left out too, since a state has their numbers. */
 static void put_scene(const writer *w, size_t end)
 {
     const exp_plan *const plan = w->plan;
@@ -136,7 +136,8 @@ static void put_scene(const writer *w, size_t end)
         for (size_t c = 0; c < 2 * r->n_points; c++) put(w, "p", &r->points[c]);
         fputc('\n', out);
     }
-    for (size_t k = 0; k < end && k < plan->n_phases; k++) put_phase(w, &plan->phases[k], k + 1 == end);
+    for (size_t k = 0; k < end && k < plan->n_phases; k++)
+        if (end < SIZE_MAX || !plan->phases[k].left_out) put_phase(w, &plan->phases[k], k + 1 == end);
 }
 
 char *exp_key(const exp_plan *plan)
@@ -165,6 +166,16 @@ static void add_text(const writer *w, char *const *text, const size_t *size, siz
     *from = *size;
 }
 
+/* What has been at looks may differ with those of other measures. */
+static void put_looks(const writer *w, size_t end)
+{
+    const exp_plan *const plan = w->plan;
+    if (!exp_names(plan, "touched") && !exp_names(plan, "tilt_deg")) return;
+    for (const exp_measure *m = plan->measures; m < plan->measures + plan->n_measures; m++)
+        if (!m->left_out && *m->during && m->phase < end)
+            fprintf(w->out, "looks %s %ld\n", plan->phases[m->phase].name, m->every);
+}
+
 /* Of the scene and phases before `end`, SIZE_MAX: no scene; of the measures that are asked, or that one of
  * these asks: they ask earlier ones alone. */
 static bool hash(const exp_plan *plan, bool scene, size_t end, bool asked[], XXH128_hash_t *sum)
@@ -177,6 +188,7 @@ static bool hash(const exp_plan *plan, bool scene, size_t end, bool asked[], XXH
     if (!w.out) return false;
     if (scene) {
         put_scene(&w, end);
+        put_looks(&w, end);
         fprintf(w.out, "adds %d result %s\n", plan->adds, plan->result);
         add_text(&w, &text, &size, &from, sum);
     }

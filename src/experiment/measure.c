@@ -74,10 +74,13 @@ static void add_sample(exp_run *run, size_t k)
     if (run->failed || begins) return;
     const bool extreme = m->take == TAKE_MAX || m->take == TAKE_MIN; /* of all samples so far */
     const bool some = m->skip != 0.0 || *m->level_of;
-    if (!some && (m->take == TAKE_FIRST || (extreme && !m->series))) { /* one sample is enough */
-        if (last &&
-            (m->take == TAKE_FIRST || !(m->take == TAKE_MAX ? value > last->value : value < last->value)))
-            return;
+    double *const known = &run->values[m->output]; /* while the phase lasts */
+    if (!some && extreme && isfinite(value) && !(m->take == TAKE_MAX ? value <= *known : value >= *known))
+        *known = value;
+    if (!some &&
+        (m->take == TAKE_FIRST || (extreme && !m->series))) { /* one is enough, or the first of nan */
+        const bool worse = last && !(m->take == TAKE_MAX ? value > last->value : value < last->value);
+        if (last && (m->take == TAKE_FIRST || !isfinite(last->value) || (worse && isfinite(value)))) return;
         s->n = 0;
     }
     if (s->n == s->room) {
@@ -91,11 +94,7 @@ static void add_sample(exp_run *run, size_t k)
     }
     s->at[s->n++] = (exp_sampled){dem_time(run->sim), value, beside, (double)run->at.steps,
                                   *m->during ? (double)run->at.pass : 0.0};
-    /* what is known while the phase lasts */
-    double *const known = &run->values[m->output];
-    if (some) return;
-    if (m->take == TAKE_FIRST || (extreme && !(m->take == TAKE_MAX ? value <= *known : value >= *known)))
-        *known = value;
+    if (!some && m->take == TAKE_FIRST) *known = value;
 }
 
 void exp_sample(exp_run *run)

@@ -519,3 +519,10 @@ bool exp_asks(const exp_plan *plan, const exp_expression *e, const char *observa
             return true;
     return false;
 }
+
+bool exp_names(const exp_plan *plan, const char *observable)
+{
+    for (const exp_use *u = plan->uses; u < plan->uses + plan->n_uses; u++)
+        if (strcmp(u->of->name, observable) == 0) return true;
+    return false;
+}

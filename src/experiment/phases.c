@@ -7,7 +7,6 @@
 
 #include "core/random.h"
 #include "experiment/private.h"
-#include "table/columns.h"
 
 static const exp_phase *phase_of(const exp_run *run)
 {
@@ -307,8 +306,7 @@ static void end_phase(exp_run *run)
 {
     const size_t phase = run->at.phase;
     go_to_next(run);
-    if (run->plan->phases[phase].keep && !run->failed && (!run->at.done || rp_is_result(run->at.end.status)))
-        exp_keep_end(run, phase);
+    if (run->plan->phases[phase].keep && !run->failed) exp_keep_end(run, phase);
 }
 
 /* All velocities become 0 where the kinetic energy begins to fall: it has passed a maximum. */
@@ -379,7 +377,7 @@ rp_status exp_advance(exp_run *run, long most)
         if (run->at.done || run->failed) return run->failed;
     }
     if (part == next || part == left) {
-        add_tilt(run);
+        if (part == next) add_tilt(run); /* a phase that follows adds it, a longer one does not look here */
         look(run, part == left);
     }
     return run->failed;

@@ -68,6 +68,11 @@ static rp_status read_region(const config_setting_t *setting, exp_place *place, 
         RP_TRY(exp_read_list(element(polygon, k), "polygon", 2, place, &r->points[2 * k]));
     if (x) RP_TRY(exp_read_list(x, "x", 2, place, r->at));
     if (y) RP_TRY(exp_read_list(y, "y", 2, place, r->at + 2));
+    for (size_t k = 0; k < 4 + 2 * r->n_points; k++) { /* each measure of the region would count as a look */
+        const exp_expression *e = k < 4 ? &r->at[k] : &r->points[k - 4];
+        if (e->x.n_states > 0 || exp_asks(place->plan, e, "rest"))
+            return rp_config_fail(setting, "%s: held and rest count looks; not in a region", r->name);
+    }
     for (int k = 0; k < 2 && !circle; k++) {
         const rp_expression *from = &r->at[2 * k].x, *to = &r->at[2 * k + 1].x;
         if (from->known && to->known && !(from->value < to->value))

@@ -289,6 +289,7 @@ char *exp_operands(rp_arena *arena, const exp_run *run, const exp_expression *e)
 
 /* Does an expression ask for this observable; NULL: for any, and not for measures alone? */
 bool exp_asks(const exp_plan *plan, const exp_expression *e, const char *observable);
+bool exp_names(const exp_plan *plan, const char *observable); /* does any expression of the text? */
 
 /* The states of the grains as they are now; NULL after a failure. */
 const dem_state *exp_states(exp_run *run);

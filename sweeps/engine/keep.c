@@ -51,15 +51,18 @@ bool sweep_keep_find(const sweep_keep *k, const char digits[33], rp_snapshot *en
 {
     char path[4096 + 40];
     snprintf(path, sizeof path, "%s/%s.end", k->ends, digits);
-    return access(path, F_OK) == 0 && rp_snapshot_read(end, path, digits, layout()) == RP_OK;
+    const bool found = access(path, F_OK) == 0 && rp_snapshot_read(end, path, digits, layout()) == RP_OK;
+    end->path = k->ends; /* for messages: that of the file ends here */
+    return found;
 }
 
 void sweep_keep_leave(const sweep_keep *k, const char digits[33], const rp_snapshot *end)
 {
     char path[4096 + 40];
-    rp_snapshot copy = *end;
+    rp_snapshot copy = *end, there = {0};
     snprintf(path, sizeof path, "%s/%s.end", k->ends, digits);
-    if (access(path, F_OK) != 0) rp_snapshot_write(&copy, path, digits, layout());
+    if (!sweep_keep_find(k, digits, &there)) rp_snapshot_write(&copy, path, digits, layout());
+    rp_snapshot_free(&there);
 }
 
 void sweep_keep_file(rp_snapshot *s, FILE *file)

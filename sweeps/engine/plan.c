@@ -341,21 +341,29 @@ static void sum_fixed(sweep_plan *plan, const rp_texts *set, const config_settin
     }
 }
 
+/* What is fixed, and of a text all points: it may change for some alone. */
+static void hash_points(sweep_plan *plan)
+{
+    XXH128_hash_t sum[2] = {plan->fixed_hash};
+    for (size_t i = 0; i < plan->n_points && plan->protocol->hash; i++) {
+        move_to(plan, i);
+        sum[1] = plan->at->hash;
+        sum[0] = XXH3_128bits(sum, sizeof sum);
+    }
+    plan->points_hash = sum[0];
+}
+
 /* Everything that the rows of a plan and their order depend on. */
 static void hash_plan(const sweep_plan *plan, char digits[33])
 {
     XXH3_state_t *state = XXH3_createState();
     char text[512];
     XXH3_128bits_reset(state);
-    move_to(plan, 0);
-    /* streams follow from how a text is given, too */
-    const XXH128_hash_t first =
-        plan->protocol->hash ? rp_hash_add(plan->at->hash, plan->fixed_hash) : plan->fixed_hash;
     int n = snprintf(text, sizeof text, "%s outputs=%016llx seed=%lu shared=%d replicas=%zu points=%zu",
                      plan->model, (unsigned long long)hash_outputs(plan->protocol), plan->seed,
                      plan->shared_piles, plan->replicas, plan->n_points);
     XXH3_128bits_update(state, text, (size_t)n);
-    XXH3_128bits_update(state, &first, sizeof first);
+    XXH3_128bits_update(state, &plan->points_hash, sizeof plan->points_hash);
     for (const sweep_axis *axis = plan->axes; axis < plan->axes + plan->n_axes; axis++)
         for (size_t i = 0; i < axis->n; i++) {
             rp_config_value(element(axis->list, i), axis->param, plan->at->values);
@@ -394,6 +402,7 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
     sum_fixed(plan, &h.set, fixed);
     for (size_t a = 0; a < plan->n_axes; a++)
         if (plan->axes[a].first) RP_TRY(refuse_twins(plan, a));
+    hash_points(plan);
     return sweep_plan_replicate(plan, plan->replicas);
 }
 

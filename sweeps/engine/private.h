@@ -35,7 +35,7 @@ typedef struct {
     size_t replicas, n_points, n_runs, n_axes;
     sweep_axis *axes; /* in the order of the file */
     sweep_position *at;
-    XXH128_hash_t fixed_hash;                    /* sum over the parameters that no axis varies */
+    XXH128_hash_t fixed_hash, points_hash;       /* sum over the parameters that no axis varies; of all */
     char model[128], hash[33], fixed_json[4096]; /* the last without its closing brace */
     char *text;      /* of the file; with an experiment it names the folder's copy */
     config_t config; /* owns the texts among the parameters */

@@ -264,8 +264,8 @@ rp_status sweep_store_check_outputs(sweep_store *s, const char *schema, const ch
         while (o->name && strcmp(o->name, name) != 0) o++;
         if (!o->name)
             status = rp_fail(RP_BAD_INPUT,
-                             "%s: its runs have the output %s, which this version of the program lacks; "
-                             "plan in another folder",
+                             "%s: its runs have the output %s, which the text, or this version of the "
+                             "program, lacks; plan in another folder",
                              path, name);
     }
     rp_status read = sweep_sql_finish(s, "read the store", q);

@@ -44,9 +44,12 @@ static rp_status name_files(const char *dir, sweep_folder *f)
     return rp_path(&f->memory, &f->shards, "%s/shards", dir);
 }
 
-static rp_status lock_folder(sweep_folder *f)
+/* A folder without a plan that should have one stays as it is. */
+static rp_status lock_folder(sweep_folder *f, bool planned)
 {
     const char *path;
+    if (planned && access(f->dir, F_OK) == 0 && access(f->cfg, F_OK) != 0)
+        return rp_fail(RP_BAD_INPUT, "%s: cannot read: %s", f->cfg, strerror(errno));
     RP_TRY(rp_path(&f->memory, &path, "%s/lock", f->dir));
     return take_lock(path, f->dir, &f->lock);
 }
@@ -179,6 +182,29 @@ static rp_status write_text(const char *path, const char *text)
     return rp_file_close(path, out, RP_OK);
 }
 
+/* Open the store of a shard, and write the plan into it. */
+static rp_status plan_shard(const char *path, const sweep_plan *plan, const sweep_plan *before,
+                            const char *file, sweep_folder *shard)
+{
+    const char *lock;
+    RP_TRY(rp_path(&shard->memory, &lock, "%s.lock", path));
+    RP_TRY(take_lock(lock, path, &shard->lock));
+    RP_TRY(sweep_store_open(path, SWEEP_CREATE, &shard->store));
+    return sweep_store_write_plan(shard->store, plan, before, file, NULL);
+}
+
+/* With another text the rows of all shards are looked through as those of the folder's store. */
+static rp_status plan_shards(sweep_folder *f, const sweep_plan *before, const char *file)
+{
+    RP_ENDS(rp_paths_free) rp_paths shards = {0};
+    RP_TRY(find_shards(f, f->shards, &shards));
+    for (size_t i = 0; i < shards.n; i++) {
+        RP_ENDS(sweep_folder_close) sweep_folder shard = {.lock = -1};
+        RP_TRY(plan_shard(shards.path[i], &f->plan, before, file, &shard));
+    }
+    return RP_OK;
+}
+
 /* Write the plan, beside what the folder has of the one before. */
 static rp_status plan_again(sweep_folder *f, const sweep_protocol *const *protocols, const char *file,
                             sweep_watch *watch)
@@ -193,6 +219,7 @@ static rp_status plan_again(sweep_folder *f, const sweep_protocol *const *protoc
     const bool known = was && strcmp(text, was) != 0 && rp_units_now() == units &&
                        !sweep_plan_replicate(&before, f->plan.replicas);
     rp_units_set(units);
+    if (other && (!was || strcmp(text, was) != 0)) RP_TRY(plan_shards(f, known ? &before : NULL, file));
     return sweep_store_write_plan(f->store, &f->plan, known ? &before : NULL, file, watch);
 }
 
@@ -208,7 +235,7 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
         if (watch) watch("grid points checked", i + 1, f.plan.n_points);
     }
     RP_TRY(claim(&f, file));
-    RP_TRY(lock_folder(&f));
+    RP_TRY(lock_folder(&f, false));
     RP_TRY(sweep_store_open(f.sqlite, SWEEP_CREATE, &f.store));
     RP_TRY(plan_again(&f, protocols, file, watch));
     const char *experiment = sweep_protocol_bytes(f.plan.protocol);
@@ -226,8 +253,9 @@ static rp_status mark_store(const char *path, const sweep_plan *plan, unsigned c
     char hash[33];
     rp_status status = sweep_store_open(path, SWEEP_READ, &store);
     if (!status) status = sweep_store_note(store, "main", "plan", hash, sizeof hash);
-    if (!status) status = sweep_store_check_rows(store, "main", path, plan);
-    if (!status && strcmp(hash, plan->hash) == 0) status = sweep_store_mark(store, plan->n_runs, done);
+    const bool same = !status && strcmp(hash, plan->hash) == 0;
+    if (same) status = sweep_store_check_rows(store, "main", path, plan);
+    if (same && !status) status = sweep_store_mark(store, plan->n_runs, done);
     sweep_store_close(store);
     return status;
 }
@@ -254,7 +282,7 @@ static rp_status find_todo(sweep_folder *f, const sweep_options *options, size_t
 /* A shard has a store of its own, so that machines that share a folder need no lock between them. */
 static rp_status open_shard(const sweep_options *options, sweep_folder *f)
 {
-    const char *folder, *path, *lock;
+    const char *folder, *path;
     char file[256];
     rp_status status = sweep_store_note(f->store, "main", "file", file, sizeof file);
     sweep_store_close(f->store);
@@ -262,11 +290,8 @@ static rp_status open_shard(const sweep_options *options, sweep_folder *f)
     RP_TRY(status);
     RP_TRY(rp_path(&f->memory, &folder, "%s/shards", f->dir));
     RP_TRY(rp_path(&f->memory, &path, "%s/%d-of-%d.sqlite", folder, options->shard, options->shards));
-    RP_TRY(rp_path(&f->memory, &lock, "%s.lock", path));
     RP_TRY(make_folder(folder));
-    RP_TRY(take_lock(lock, path, &f->lock));
-    RP_TRY(sweep_store_open(path, SWEEP_CREATE, &f->store));
-    RP_TRY(sweep_store_write_plan(f->store, &f->plan, NULL, file, NULL));
+    RP_TRY(plan_shard(path, &f->plan, NULL, file, f));
     return sweep_store_check_rows(f->store, "main", path, &f->plan);
 }
 
@@ -298,7 +323,7 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
         return rp_fail(RP_BAD_INPUT, "shard = %d/%d: out of range, allowed: 1/%d to %d/%d", options->shard,
                        options->shards, options->shards, options->shards, options->shards);
     RP_TRY(name_files(dir, &f));
-    if (whole) RP_TRY(lock_folder(&f));
+    if (whole) RP_TRY(lock_folder(&f, true));
     RP_TRY(open_main(protocols, whole ? SWEEP_WRITE : SWEEP_READ, &f));
     if (!whole) RP_TRY(open_shard(options, &f));
     RP_TRY(sweep_store_drop_crashed(f.store));
@@ -378,7 +403,7 @@ rp_status sweep_merge(const char *dir, const sweep_protocol *const *protocols, s
     RP_ENDS(sweep_folder_close) sweep_folder f;
     RP_ENDS(rp_paths_free) rp_paths sources = {0};
     RP_TRY(name_files(dir, &f));
-    RP_TRY(lock_folder(&f));
+    RP_TRY(lock_folder(&f, true));
     RP_TRY(open_main(protocols, SWEEP_WRITE, &f));
     if (n == 0) RP_TRY(find_shards(&f, f.shards, &sources));
     for (size_t i = 0; i < n; i++) RP_TRY(add_source(&f, paths[i], &sources));
@@ -427,7 +452,7 @@ rp_status sweep_salvage(const char *dir, const sweep_protocol *const *protocols,
     RP_TRY(name_files(dir, &f));
     RP_TRY(rp_path(&f.memory, &kept, "%s/damaged.sqlite", dir));
     RP_TRY(rp_path(&f.memory, &made, "%s/salvaged.sqlite", dir));
-    RP_TRY(lock_folder(&f));
+    RP_TRY(lock_folder(&f, true));
     RP_TRY(sweep_plan_read(f.cfg, protocols, &f.plan));
     if (access(f.sqlite, F_OK) != 0) return rp_fail(RP_BAD_INPUT, "%s: no store", f.sqlite);
     RP_TRY(check_no_store(&f, kept));
