@@ -1,13 +1,15 @@
 /* Systems of units; see units.h. */
 #include "core/elementary.h"
-#include "params/params.h"
 #include "params/units.h"
 
-#include <ctype.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#define LETTERS                                                                                              \
+    "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ\xc2\xb5" /* and the two bytes of a micro sign */
 
 static const char *const words[] = {"cgs", "si", "sigma"};
 static _Thread_local rp_units now = RP_CGS;
@@ -70,16 +72,15 @@ const char *rp_unit(const char *cgs)
 /* Has a label a unit that the system lacks? m, g, t, h and d are left alone: mass, gravity, height. */
 static bool is_foreign(const char *label)
 {
-    static const char everywhere[] =
-        "nm um µm mm km inch ft ug mg us ms min rpm kHz mN kN mJ kJ hPa kPa MPa GPa bar atm",
-                      *const here[] = {"kg N J Pa", "cm dyn erg", "cm s kg N J Pa dyn erg"};
+    static const char others[] =
+        " nm um µm mm km inch ft ug mg us ms min rpm kHz mN kN mJ kJ hPa kPa MPa GPa bar atm ",
+                      *const of_systems[] = {" kg N J Pa ", " cm dyn erg ", " cm s kg N J Pa dyn erg "};
     char word[16];
-    for (int list = 0; list < 2; list++)
-        for (int i = 0; *rp_word_at(list ? here[now] : everywhere, i, word, sizeof word); i++)
-            for (const char *at = label; (at = strstr(at, word)); at++)
-                if ((at == label || !isalpha((unsigned char)at[-1])) &&
-                    !isalpha((unsigned char)at[strlen(word)]))
-                    return true;
+    for (size_t n; *label; label += n + strcspn(label + n, LETTERS)) {
+        n = strspn(label, LETTERS);
+        snprintf(word, sizeof word, " %.*s ", (int)n, label);
+        if (n > 0 && (strstr(others, word) || strstr(of_systems[now], word))) return true;
+    }
     return false;
 }
 
