@@ -326,6 +326,9 @@ static void test_words(void)
         {hopper, "phases = (", "result = `D > 2 ? 'ok' : 'ok_narrow'`; phases = (", "ok_narrow"},
         {hopper, "take = `rate`", "when = `grains < 0`; optional = true; take = `rate`", "ok"}};
     check_ends(sizeof cases / sizeof *cases, cases);
+    scoped char *text = changed(hopper, "clogged = `rest`", "low = `sqrt(-height) < 5`");
+    RUN_TRIAL(t, text, 1000, "no_number");
+    CHECK_PARTS(exp_ended(t.run)->message, ": low \"sqrt(-height) < 5\" is nan; height = ");
 }
 
 static void test_refused(void)

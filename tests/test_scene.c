@@ -379,6 +379,7 @@ static void listed_overlaps(void)
         {{1, {"particles[2].y=0.25"}}, "particle 2, of line 3, overlaps particle 3, of line 4, by 0.25"},
         {{2, {"particles[2].y=0.489", "normal.k_n=100"}}, NULL},
         {{3, {"particles[2].y=0.489", "normal.k_n=100", "gravity=[0.0, -0.5]"}}, "by 0.011"},
+        {{3, {"particles[2].y=0.489", "normal.k_n=100", "gravity=[981.0, 0.0]"}}, NULL},
         {{3, {"particles[2].y=0.25", "particles[1].fixed=true", "particles[2].fixed=true"}}, NULL},
         {{1, {"particles[0].y=0.091"}}, NULL},
         {{1, {"particles[0].y=0.089"}}, "particle 1, of line 2, overlaps wall 1 by 0.011"},
