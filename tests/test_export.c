@@ -149,23 +149,27 @@ static void test_empty_frames(void)
 /* An experiment that goes back: steps rise, of its tables as of its phases. */
 static void test_back(void)
 {
-    write_text(
-        "back.cfg",
-        "dt = 2e-5; particles = ( { x = 0.0; y = 9.0; r = 0.1; }, { x = 1.0; y = 9.0; r = 0.1; } );\n"
-        "output = { states = 20; energy = 20; };\n"
-        "phases = ( { name = \"a\"; steps = 40; }, { name = \"b\"; steps = 40; },\n"
-        "  { name = \"c\"; from = \"a\"; steps = 30; } );\nmeasure = ( { name = \"at\"; of = \"step\"; "
-        "} );\n");
+    write_text("back.cfg",
+               "dt = 2e-5; particles = ( { x = 0.0; y = 9.0; r = 0.1; }, { x = 1.0; y = 9.0; r = 0.1; } );\n"
+               "output = { states = 20; energy = 20; };\n"
+               "phases = ( { name = \"a\"; steps = 40; }, { name = \"b\"; steps = 45; },\n"
+               "  { name = \"c\"; from = \"a\"; steps = 30; }, { name = \"d\"; steps = 0; } );\nmeasure = ( "
+               "{ name = \"at\"; of = \"step\"; "
+               "} );\n");
     GOOD("run back.cfg -o back");
     GOOD("export back --to xyz");
     SHELL("grep -o 'Time=[^ ]* step=[0-9]*' out | sed 's/.*step=//' | tr '\\n' ' ' >steps; cat steps >out");
-    CU_ASSERT_STRING_EQUAL(out, "0 20 40 60 80 100 110 ");
+    CU_ASSERT_STRING_EQUAL(out, "0 20 40 60 80 85 100 115 ");
+    SHELL("grep -c '^115' back/states.tsv >out"); /* one frame, though a phase without steps follows */
+    CU_ASSERT_STRING_EQUAL(out, "2\n");
+    GOOD("view back --frame b -o a.svg");
+    SHELL("grep -q 'step 85, t = 0.0017 s' a.svg");
     GOOD("view back --frame c -o a.svg");
-    SHELL("grep -q 'step 110, t = 0.0014 s' a.svg");
+    SHELL("grep -q 'step 115, t = 0.0014 s' a.svg");
     write_text("back_sweep.cfg", "experiment = \"back.cfg\"; replicas = 1;\n");
     GOOD("run back_sweep.cfg --row 0 -o row");
     GOOD("view row --frame c -o a.svg");
-    SHELL("grep -q 'step 110, t = 0.0014 s' a.svg");
+    SHELL("grep -q 'step 115, t = 0.0014 s' a.svg");
 }
 
 /* `run --dump` leaves in the folder what export writes. */

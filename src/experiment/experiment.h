@@ -85,8 +85,7 @@ typedef struct {
 } exp_passed;
 size_t exp_phase_count(const exp_plan *plan);
 exp_passed exp_phase_at(const exp_run *run, size_t k);
-size_t exp_stages(const exp_run *run);    /* phases of the top level that have ended */
-bool exp_goes_back(const exp_plan *plan); /* some phase begins where an earlier one ended */
+size_t exp_stages(const exp_run *run); /* phases of the top level that have ended */
 
 /* Tables of measures, by the names of their files: samples of those with `series`, columns step, time and
  * value; and modules that have tables. */

@@ -407,13 +407,6 @@ size_t exp_stages(const exp_run *run)
     return n;
 }
 
-bool exp_goes_back(const exp_plan *plan)
-{
-    for (size_t k = 0; k < plan->n_phases; k++)
-        if (!plan->phases[k].left_out && plan->phases[k].source != SIZE_MAX) return true;
-    return false;
-}
-
 const char *exp_where(const exp_run *run, char *text, size_t size)
 {
     const exp_plan *plan = run->plan;

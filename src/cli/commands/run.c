@@ -47,7 +47,7 @@ CLI_OPTIONS(run, RUN_OPTIONS)
 /* What a run is to do. A snapshot keeps it. */
 typedef struct {
     long steps, every[CLI_GROWING], snapshot, dump; /* every: as dem_intervals, of the tables below */
-    bool ledger, phases, stages; /* the last: a frame at the end of each phase of the top level */
+    bool ledger, phases;
     XXH128_hash_t scene;
 } run_plan;
 
@@ -79,8 +79,9 @@ typedef struct {
     run_plan plan;
     growth energy;
     cli_rest rest;
-    dem_sim *sim; /* with phases theirs */
-    exp_run *exp; /* NULL: no phases */
+    long written[CLI_GROWING]; /* steps of the last frames: a phase may have none */
+    dem_sim *sim;              /* with phases theirs */
+    exp_run *exp;              /* NULL: no phases */
     origin of;
     char line[4096]; /* of its start, for tables that are written at the end */
     cli_unfinished unfinished;
@@ -114,6 +115,7 @@ static scene_run run_in(const cli_call *call, const run_options *o, const char *
 {
     return (scene_run){.o = o,
                        .of = {.call = *call},
+                       .written = {-1, -1, -1, -1},
                        .unfinished = {.arena = call->arena,
                                       .directory = directory,
                                       .force = o->force,
@@ -139,10 +141,10 @@ static void keep_run(rp_snapshot *s, void *context)
     RP_KEEP(s, r->plan);
     RP_KEEP(s, r->energy);
     RP_KEEP(s, r->rest);
-    rp_keep_check(
-        s,
-        rp_keep_bool(&r->plan.stages) && rp_keep_bool(&r->plan.phases) && r->plan.phases == (r->exp != NULL),
-        r->exp ? "no phases" : "phases: give the file too, and its --set: repose run FILE --resume DIR");
+    RP_KEEP(s, r->written);
+    rp_keep_check(s, rp_keep_bool(&r->plan.phases) && r->plan.phases == (r->exp != NULL),
+                  r->exp ? "no phases"
+                         : "phases: give the file too, and its --set: repose run FILE --resume DIR");
     if (s->reading && r->plan.ledger) { /* as the start was told */
         r->scene.def.ledger = true;
         if (r->phases) exp_keep_ledger(r->phases);
@@ -189,12 +191,14 @@ static long steps_of(const scene_run *r)
 }
 
 /* A frame of the tables whose turn it is at this step or at a stage's end; `last`: of all that have any. */
-static rp_status write_frame(const scene_run *r, bool stage, bool last)
+static rp_status write_frame(scene_run *r, bool stage, bool last)
 {
     const long *every = r->plan.every, step = steps_of(r);
     for (int k = 0; k < CLI_GROWING; k++) {
         const bool due = every[k] && (last || stage || (every[k] > 0 && step % every[k] == 0));
-        if (due && table_of(r, k)) RP_TRY(dem_write_rows((dem_table)k, r->sim, step, table_of(r, k)));
+        if (!due || !table_of(r, k) || r->written[k] == step) continue;
+        RP_TRY(dem_write_rows((dem_table)k, r->sim, step, table_of(r, k)));
+        r->written[k] = step;
     }
     return RP_OK;
 }
@@ -306,7 +310,7 @@ static rp_status advance(scene_run *r)
         const size_t stages = r->exp ? exp_stages(r->exp) : 0;
         const rp_status status = go_on(r, part);
         const long step = steps_of(r);
-        const bool stage = r->exp && exp_stages(r->exp) > stages && p->stages;
+        const bool stage = r->exp && exp_stages(r->exp) > stages;
         show_progress(r);
         RP_TRY(status);
         if (step == before && (!stop_signal || is_done(r))) continue; /* a phase began or ended */
@@ -421,7 +425,7 @@ static rp_status close_phases(const scene_run *r)
 }
 
 /* All that a result has besides the frames before its end. Those for another program come from the tables. */
-static rp_status write_end(const scene_run *r)
+static rp_status write_end(scene_run *r)
 {
     RP_TRY(write_frame(r, false, true));
     if (r->exp)
@@ -636,8 +640,7 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
                         .snapshot = o->snapshot,
                         .dump = o->dump,
                         .ledger = r.scene.def.ledger,
-                        .phases = r.phases != NULL,
-                        .stages = r.phases && !exp_goes_back(r.phases)}; /* there steps would not rise */
+                        .phases = r.phases != NULL};
     for (int k = 0; k < CLI_GROWING; k++) r.plan.every[k] = o->every > 0 ? o->every : every[k];
     if (*o->o) RP_TRY(hash_scene(&r, &r.plan.scene));
     r.rest.steps = steps;
