@@ -157,7 +157,8 @@ static void test_back(void)
                "{ name = \"at\"; of = \"step\"; "
                "} );\n");
     GOOD("run back.cfg -o back");
-    GOOD("export back --to xyz");
+    SHELL("ln -s back back.2.cfg"); /* a folder, no scene */
+    GOOD("export back.2.cfg --to xyz");
     SHELL("grep -o 'Time=[^ ]* step=[0-9]*' out | sed 's/.*step=//' | tr '\\n' ' ' >steps; cat steps >out");
     CU_ASSERT_STRING_EQUAL(out, "0 20 40 60 80 85 100 115 ");
     SHELL("grep -c '^115' back/states.tsv >out"); /* one frame, though a phase without steps follows */

@@ -219,14 +219,6 @@ void exp_keep_end(exp_run *run, size_t phase)
     if (!run->at.done || rp_is_result(run->at.end.status)) run->failed = write_end(run, phase);
 }
 
-/* Steps of a phase; -1: it ends by a condition, or by what the run alone knows. */
-static long steps_of(const exp_phase *p)
-{
-    double n = p->ending != EXP_UNTIL && p->end.x.known ? p->end.x.value : NAN;
-    if (p->ending == EXP_TIME) n /= p->laws.physics.dt;
-    return n >= 0.0 && n <= 9e15 ? lround(n) : -1;
-}
-
 /* Read the head of an end; does it have all that a run needs of before? *known: by number of the measure;
  * *left: steps that the last phase has more. */
 static rp_status read_head(rp_snapshot *s, const exp_plan *plan, size_t phase, rp_arena *arena, measured *m,
@@ -245,7 +237,7 @@ static rp_status read_head(rp_snapshot *s, const exp_plan *plan, size_t phase, r
     RP_NEW(arena, *back, phase);
     rp_keep(s, m->of, m->n * sizeof *m->of);
     RP_KEEP(s, steps);
-    *left = steps_of(p) < 0 ? 0 : steps_of(p) - steps;
+    *left = exp_known_steps(p) < 0 ? 0 : exp_known_steps(p) - steps;
     /* what fails counts its looks, and the end is one, at which a grain may touch */
     const bool more = exp_names(plan, "touched") || (p->n_fails > 0 && (steps - p->least) % p->every != 0);
     if (*left < 0 || (*left > 0 && (more || exp_present(plan, phase + 1, plan->n_phases) < plan->n_phases)))

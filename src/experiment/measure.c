@@ -26,6 +26,13 @@ long exp_next_look(long since, long every)
     return since < 0 ? every - since : every == 1 ? 1 : every - since % every; /* a division takes long */
 }
 
+long exp_known_steps(const exp_phase *p)
+{
+    double n = p->ending != EXP_UNTIL && p->end.x.known ? p->end.x.value : NAN;
+    if (p->ending == EXP_TIME) n /= p->laws.physics.dt;
+    return n >= 0.0 && n <= 9e15 ? lround(n) : -1;
+}
+
 void exp_measures_in(const exp_run *run, long *next)
 {
     const long since = run->at.phase_step - run->plan->phases[run->at.phase].least;

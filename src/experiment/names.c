@@ -123,18 +123,17 @@ static rp_status find_measure(const exp_place *place, const char *name, rp_x_sym
     return RP_OK;
 }
 
-/* An observable is not meant where an earlier measure bears its name. */
-static rp_status check_alone(const exp_place *place, const char *name)
+/* An observable or a constant is not meant where an earlier measure bears its name. */
+static rp_status check_alone(const exp_place *place, const char *what, const char *name)
 {
     const exp_plan *plan = place->plan;
     size_t output;
     const exp_measure *m = exp_measure_of(plan, name, &output);
     const size_t k = m ? (size_t)(m - plan->measures) : SIZE_MAX;
     const bool earlier = m && (place->phase == SIZE_MAX ? k < place->measure : m->phase < place->phase);
-    return earlier
-               ? rp_fail(RP_BAD_INPUT,
-                         "%s is an observable and an earlier measure; give the measure another name", name)
-               : RP_OK;
+    return earlier ? rp_fail(RP_BAD_INPUT, "%s is %s and an earlier measure; give the measure another name",
+                             name, what)
+                   : RP_OK;
 }
 
 static rp_status find(void *host, const char *name, int n_args, rp_x_symbol *symbol, bool *known)
@@ -147,10 +146,10 @@ static rp_status find(void *host, const char *name, int n_args, rp_x_symbol *sym
     const exp_observable *o =
         place->of_grain && n_args < 0 && !dot ? exp_observable_named(name, OF_NEW) : NULL;
     if (!o && !dot) RP_TRY(rp_lets_find(&plan->text->lets, name, n_args, symbol, known));
-    if (*known) return RP_OK;
+    if (*known) return check_alone(place, "a constant", name);
     if (!o && scope) o = exp_observable_named(dot ? dot + 1 : name, asked_of(scope->sort));
     if (o && place->lets_alone) return rp_fail(RP_BAD_INPUT, "%s is not known before the run", name);
-    if (o && !dot) RP_TRY(check_alone(place, name));
+    if (o && !dot) RP_TRY(check_alone(place, "an observable", name));
     if (o) return *known = true, use(plan, o, *scope, name, n_args, symbol);
     return n_args < 0 && !place->lets_alone ? find_measure(place, name, symbol, known) : RP_OK;
 }

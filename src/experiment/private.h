@@ -341,6 +341,7 @@ void exp_sample(exp_run *run);
 void exp_measure_phase(exp_run *run, size_t phase);
 void exp_measure_again(exp_run *run, size_t phase, const bool known[]); /* at its end, those not known */
 void exp_measures_in(const exp_run *run, long *next); /* lowered to the steps to the next sample */
-long exp_next_look(long since, long every);           /* steps to it, so many after looks have begun */
+long exp_known_steps(const exp_phase *p);   /* -1: it ends by a condition, or by what the run alone knows */
+long exp_next_look(long since, long every); /* steps to it, so many after looks have begun */
 
 #endif

@@ -330,11 +330,11 @@ rp_status exp_read_measure(exp_plan *plan, size_t k)
     m->states[0] = plan->n_states;
     RP_TRY(exp_read_keys(m->setting, "", keys, &place));
     m->states[1] = plan->n_states;
-    if (*m->during && !m->optional && !m->left_out && p->ending == EXP_STEPS && p->end.x.known &&
-        p->end.x.value < (double)(p->least + m->every))
+    const long steps = p->ending == EXP_UNTIL ? p->most : exp_known_steps(p);
+    if (*m->during && !m->optional && !m->left_out && steps >= 0 && steps < p->least + m->every)
         return rp_config_fail(m->setting,
-                              "measure %s: no samples: phase %s has %g steps; one is taken every %ld",
-                              m->name, p->name, p->end.x.value, m->every);
+                              "measure %s: no samples: phase %s has %ld steps; one is taken every %ld",
+                              m->name, p->name, steps, m->every);
     if (m->take == TAKE_VALUE && m->of.x.n_states > 0)
         return rp_config_fail(member(m->setting, "of"), "change and held need samples, during = \"PHASE\"");
     return RP_OK;

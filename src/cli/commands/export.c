@@ -28,7 +28,7 @@ static rp_status read_source(const cli_call *call, const char *source, const exp
     if (o->reduce && !sweep) return rp_fail(RP_USAGE, "--reduce needs a sweep; %s is none", source);
     if (stat(source, &info) == 0 && S_ISDIR(info.st_mode) && !sweep && !run)
         return rp_fail(RP_BAD_INPUT, "%s: neither a run (states.tsv) nor a sweep (sweep.cfg)", source);
-    if (rp_ends_in(source, ".cfg"))
+    if (!sweep && !run && rp_ends_in(source, ".cfg"))
         return rp_fail(RP_USAGE, "%s: a scene is exported by --to lammps-input; repose run makes its tables",
                        source);
     const unsigned what = SWEEP_PARAMETERS | (o->reduce ? SWEEP_POINTS : SWEEP_RUNS);
