@@ -136,7 +136,8 @@ static void test_slurm(void)
          "sweep slurm d --shards 1001"},
         {65, "array.sh: is not what these options say; move it away for a new one",
          "sweep slurm d --shards 6"},
-        {65, "none: no such folder", "sweep slurm none --shards 2"}};
+        {65, "none: no such folder", "sweep slurm none --shards 2"},
+        {65, "empty: no sweep.cfg", "sweep slurm empty --shards 2"}};
     static char script[4096];
     char folder[512], program[512];
     write_text("s.cfg", "protocol = \"pile\"; replicas = 9; fixed = { base = 4; };\n");
@@ -160,7 +161,9 @@ static void test_slurm(void)
                 check_text("exec >>%s/shards/$SLURM_ARRAY_TASK_ID-of-7.log 2>&1\n%s sweep run %s --shard "
                            "$SLURM_ARRAY_TASK_ID/7 -j 3 &\n",
                            folder, program, folder));
+    SHELL("mkdir empty");
     CHECK_FAILURES(list);
+    SHELL("rmdir empty"); /* it stays as it is */
 }
 
 /* The job array, and the commands that are printed, work in folders of any name, and run nothing of it. */

@@ -94,6 +94,8 @@ static rp_status act_slurm(cli_call *call, const void *values)
     FILE *out;
     if (!realpath(cli_argument(call, 0), dir) || !rp_program(self, sizeof self))
         return rp_fail(RP_BAD_INPUT, "%s: no such folder", cli_argument(call, 0));
+    if (!rp_is_in(dir, "sweep.cfg"))
+        return rp_fail(RP_BAD_INPUT, "%s: no sweep.cfg; `repose sweep plan` makes it", cli_argument(call, 0));
     if (o->shards > MOST_TASKS)
         return rp_fail(
             RP_BAD_INPUT,
@@ -136,7 +138,7 @@ const cli_command cmd_sweep_slurm = {
     "repose sweep slurm build/sweeps/lh3 --shards 8 --time 0:30:00",
     slurm_params,
     .refuses =
-        "A folder that is not there; times and sizes that sbatch would not take; more than 1000 shards,\n"
+        "A folder without a sweep; times and sizes that sbatch would not take; more than 1000 shards,\n"
         "the usual limit of an array: give each more processors (-j); an array.sh of other options, or "
         "changed.",
     .prints_text = true,
