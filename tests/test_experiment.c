@@ -788,6 +788,17 @@ static void test_sweeps_refused(void)
           "read' out || exit 9; done; rmdir d"); /* a folder of no sweep stays as it is */
 }
 
+/* 60 degrees are a whole number of steps at each rate, though 60/1e-5 is not one. */
+static void test_slow_turns(void)
+{
+    static const char *const protocols[] = {"onset", "repose", "stress"};
+    for (size_t k = 0; k < 3; k++) {
+        write_text("s.cfg", "protocol = \"%s\"; replicas = 1; fixed = { tilt_rate_deg = 1.0e-5; };\n",
+                   protocols[k]);
+        GOOD("sweep plan s.cfg -o slow_%s", protocols[k]);
+    }
+}
+
 /* ---- walls, modules and avalanches ---- */
 
 static const char lift[] =
@@ -1238,4 +1249,4 @@ CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, te
                    test_mean_grain, test_refused_more, test_cuts, test_kept, test_where, test_started_at,
                    test_words, test_refused, test_keys, test_random_texts, test_run, test_resumed, test_swept,
                    test_shared_ends, test_other_measures, test_other_texts, test_other_snapshots,
-                   test_sweeps_refused)
+                   test_sweeps_refused, test_slow_turns)
