@@ -162,5 +162,15 @@ static void ends_without_result(void)
     }
 }
 
+/* The first layer falls as far as a grain of it is high: without damping that shortens the step. */
+static void refuses_step_of_layer(void)
+{
+    const sweep_protocol *protocol = protocol_of(&sweep_protocol_flux);
+    for (int damped = 0; damped < 2; damped++) {
+        scoped void *params = PROTOCOL_PARAMS(protocol, damped ? "gamma_n=500" : "gamma_n=0");
+        CHECK_FAILS_IF(!damped, protocol->check(params), RP_BAD_INPUT, "dt = 5e-05: too large for");
+    }
+}
+
 CHECK_SUITE_WITHIN(flux, "constant flux", enter, leave, height_closed_forms, height_of_random_piles,
-                   waits_for_contact, outputs_from_series, ends_without_result)
+                   waits_for_contact, outputs_from_series, ends_without_result, refuses_step_of_layer)

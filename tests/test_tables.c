@@ -943,6 +943,8 @@ static void test_systems_of_sweeps(void)
     GOOD("stress base r/pile --width 0.02");
     CHECK_PARTS(out, "\n# g: 9.81 m/s^2\n", "\n# diameter: 0.002 m\n", "\n# units: 1\tN/m\tN/m\t");
     PRINTS("N/m^1.5    real   10000 ", "params repose --units si");
+    write_text("b.cfg", "units = \"si\"; protocol = \"repose\"; fixed = { k_n = 0.0; };\n");
+    FAILS(65, "fixed.k_n = 0: out of range, allowed: (0, inf) N/m^1.5\n", "sweep plan b.cfg -o v");
     /* the g of SI among values in cgs */
     static const char warning[] = "g = 9.81 among values in cm, g and s; give units = \"si\", or g = 981";
     write_text("s.cfg",

@@ -131,7 +131,7 @@ static rp_status set_number(const rp_param *param, void *field, const rp_value *
         return rp_fail(RP_BAD_INPUT, "%s = %g: a finite number expected", param->name, v);
     else if (!in_range(&range, v))
         return rp_fail(RP_BAD_INPUT, "%s = %.15g: out of range, allowed: %s%s%s", param->name, v,
-                       param->range, *param->unit ? " " : "", param->unit);
+                       param->range, *param->unit ? " " : "", rp_unit(param->unit));
     if (whole)
         *(long *)field = value->kind == RP_V_INT ? value->i : -1;
     else
