@@ -170,6 +170,10 @@ static void refuses_step_of_layer(void)
         scoped void *params = PROTOCOL_PARAMS(protocol, damped ? "gamma_n=500" : "gamma_n=0");
         CHECK_FAILS_IF(!damped, protocol->check(params), RP_BAD_INPUT, "dt = 5e-05: too large for");
     }
+    protocol = protocol_of(&sweep_protocol_drop); /* disks glued at y = 0 cannot fall */
+    scoped void *params = PROTOCOL_PARAMS(
+        protocol, "N=60 glued=1.5 law=slip_roll eps=0.001 damping=2 radius_width=0.2 mu_static=100 a=0.001");
+    CHECK_OK(protocol->check(params));
 }
 
 CHECK_SUITE_WITHIN(flux, "constant flux", enter, leave, height_closed_forms, height_of_random_piles,

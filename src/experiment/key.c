@@ -335,12 +335,13 @@ static rp_status stand_ins(const exp_plan *plan, rp_arena *arena, dem_definition
     for (const dem_fill *f = s->fills; f < s->fills + s->n_fills; f++) {
         const double r = dem_radius_least(f), m = dem_mass(f->shape, f->density, r);
         for (int end = 0; end < 2; end++)
-            grains[def->n_grains++] =
-                (dem_grain){.x = f->x0,
-                            .y = f->y0 + end * (isfinite(f->H) ? f->H : dem_radius_most(f)),
-                            .r = r,
-                            .m = m,
-                            .fixed = f->fixed};
+            grains[def->n_grains++] = (dem_grain){.x = f->x0,
+                                                  .y = f->y0 + (f->pattern != DEM_PATTERN_ROW ? end * f->H
+                                                                : end ? dem_radius_most(f)
+                                                                      : r),
+                                                  .r = r,
+                                                  .m = m,
+                                                  .fixed = f->fixed};
     }
     const double y = def->n_grains ? grains[0].y : 0.0;
     for (const exp_phase *p = plan->phases; p < plan->phases + plan->n_phases; p++) {
