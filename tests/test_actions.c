@@ -477,7 +477,7 @@ static void test_profile(void)
         "dt = 1e-6; gravity = (0.0, 0.0);\n"
         "particles = ( { x = 0.5; y = 0.5; r = 0.1; vx = 1.0; }, { x = 1.5; y = 0.5; r = 0.1; vx = 3.0; },\n"
         "  { x = 0.5; y = 1.5; r = 0.1; vx = 2.0; vy = 1.0; }, { x = 1.2; y = 1.5; r = 0.1; }, { x = 1.39; y "
-        "= 1.5; r = 0.1; }, { x = 7.0; y = 1.0; r = 0.1; } );\n"
+        "= 1.5; r = 0.1; }, { x = 7.0; y = 1.0; r = 0.1; }, { x = 7.19; y = 1.0; r = 0.1; } );\n"
         "regions = { box = { x = (0.0, 2.0); y = (0.0, 2.0); }; half = { x = (0.0, 2.0); }; };\n"
         "phases = ( { name = `p`; steps = 0; }, { name = `q`; steps = 30; } );\n"
         "measure = ( { name = `rows`; of = `profile`; bins = 2; in = `box`; at = `p`; },\n"

@@ -96,6 +96,11 @@ static void test_table(void)
     GOOD("calibrate fit.cfg");
     CHECK_NEAR(found("a", "value"), 0.5, 0.02);
     CHECK_NEAR(found("a", "se"), hypot(hypot(0.02, 0.01), 0.006) / 3.0, 0.001);
+    /* of two names one that nothing asks, of a wide range */
+    SHELL("awk 'NR == 1 { print \"a\\tb\\ty\" } NR > 1 { print $1 \"\\t\" 1000*((NR % 3) - 1) \"\\t\" $2 }' "
+          "t.tsv >wide.tsv "
+          "&& sed 's/};/b = [-1000.0, 1000.0]; };/; s/t[.]tsv/wide.tsv/' fit.cfg >wide.cfg");
+    FAILS(1, "determined is a", "calibrate wide.cfg");
     /* an angle beside the number is no setting; what takes two values at each point is */
     SHELL("awk -v OFS='\t' '{ print $0, NR == 1 ? \"z\" : $2 + 1, NR == 1 ? \"replica\" : NR % 2 }' t.tsv >u "
           "&& mv u t.tsv");
