@@ -1613,11 +1613,11 @@ static void test_run_help(void)
 /* Frames and snapshots come at multiples of their own intervals. */
 static void test_run_intervals(void)
 {
-    write_text("s.cfg", "steps = 85; particles = ( { x = 1.0; y = 5.0; r = 0.1; } );\n");
-    CU_ASSERT(run("run s.cfg --every 30 --snapshot 20 -o d") == 0);
+    write_text("s.cfg", "steps = 129; particles = ( { x = 1.0; y = 5.0; r = 0.1; } );\n");
+    CU_ASSERT(run("run s.cfg --every 50 --snapshot 20 -o d") == 0);
     scoped_table t = read_table("d/energy.tsv");
     CU_ASSERT_EQUAL(t.n_rows, 4);
-    for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "step"), fmin(30.0 * (double)i, 85.0), 0.0);
+    for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "step"), fmin(50.0 * (double)i, 129.0), 0.0);
 }
 
 /* The growth that the warning names: mean energy of the last 16 of 64 samples less that of the first 16, over

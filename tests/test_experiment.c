@@ -944,19 +944,19 @@ static void test_modules(void)
     CHECK_EACH(measured(&t, NAME), 0.0, {"two", measured(&t, "s_r2_deg")}, {"s_cells", 20.0},
                {"d__grains", 2.0});
     CHECK_EACH(measured(&t, NAME), 1e-9, {"d__left", 8.9}, {"d__right", 9.29}, {"d__height", 0.2});
-    /* columns of 1.5, 1.1 and 0.5 beside one of 2: a slope of 2.5, and a scatter of sqrt(0.02/3) */
+    /* columns of 1.6, 1.5, 0.9 and 0.5 beside one of 2: a slope of 1.95, and squares of 0.047 beside it */
     n = (size_t)snprintf(text, sizeof text, "dt = 1.0e-5; gravity = (0.0, 0.0);\nparticles = (");
-    for (int k = -3; k <= 3; k++) {
-        static const double top[] = {2.0, 1.5, 1.1, 0.5};
+    for (int k = -4; k <= 4; k++) {
+        static const double top[] = {2.0, 1.6, 1.5, 0.9, 0.5};
         n += (size_t)snprintf(text + n, sizeof text - n, "%s { x = %.6f; y = %.6f; r = 0.1; }",
-                              k > -3 ? "," : "", 0.2 * k + 0.1, top[abs(k)] - 0.1);
+                              k > -4 ? "," : "", 0.2 * k + 0.1, top[abs(k)] - 0.1);
     }
     snprintf(text + n, sizeof text - n,
              " );\nphases = ( { name = `look`; steps = 0; } );\n"
              "measure = ( { name = `f`; of = `flanks`; touching = false; } );\n");
     RUN_TRIAL(few, text, 100, "ok");
-    const double error = sqrt(0.02 / 3.0 / 0.08) / (1.0 + 2.5 * 2.5) * 180.0 / M_PI;
-    CHECK_EACH(measured(&few, NAME), 1e-6, {"f_right_deg", atan(2.5) * 180.0 / M_PI},
+    const double error = sqrt(0.047 / 2.0 / 0.2) / (1.0 + 1.95 * 1.95) * 180.0 / M_PI;
+    CHECK_EACH(measured(&few, NAME), 1e-6, {"f_right_deg", atan(1.95) * 180.0 / M_PI},
                {"f_right_error_deg", error}, {"f_left_error_deg", error});
 }
 

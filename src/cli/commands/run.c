@@ -302,8 +302,8 @@ static rp_status advance(scene_run *r)
     bool told = r->o->quiet;
     dem_threads(r->sim, (size_t)r->o->j);
     while (!is_done(r)) {
-        const long before = steps_of(r), left = r->exp ? most : p->steps - before;
-        long part = left < most ? left : most;
+        const long before = steps_of(r);
+        long part = most; /* go_on stops at the end */
         for (int k = 0; k < CLI_GROWING; k++) part = steps_to(before, p->every[k], part);
         part = steps_to(before, p->snapshot, part);
         part = steps_to(before, r->energy.every, part);
