@@ -41,6 +41,8 @@ static void test_runs(void)
     CU_ASSERT(strstr(err, "stage 1, slide.cfg: 12 points, 2 runs each") != NULL);
     SHELL("cp out first && $REPOSE calibrate fit.cfg -o c >out 2>err && cmp out first");
     CU_ASSERT_STRING_EQUAL(err, ""); /* all runs are there */
+    SHELL("! flock c $REPOSE calibrate fit.cfg -o c >out 2>err");
+    CU_ASSERT(strstr(err, "c: another process runs in this folder") != NULL);
     FAILS(1, "; 24 of 30 runs, and the next stage needs 24: --budget gives more",
           "calibrate fit.cfg -o c --budget 30");
     write_fit("{ experiment = \"slide.cfg\"; of = \"v\"; value = 40.0; error = 0.3; }");
@@ -93,7 +95,9 @@ static void test_table(void)
     write_text("fit.cfg", "fit = { a = [0.0, 0.9]; };\n"
                           "measured = ( { runs = \"t.tsv\"; of = \"y\"; value = 1.65; error = 0.02; "
                           "model_error = 0.01; } );\n");
+    SHELL("sed -i '2s/^0/-0.0/' t.tsv"); /* the point 0 */
     GOOD("calibrate fit.cfg");
+    CU_ASSERT(strstr(out, "# runs: 0 at 10 points, ") != NULL);
     CHECK_NEAR(found("a", "value"), 0.5, 0.02);
     CHECK_NEAR(found("a", "se"), hypot(hypot(0.02, 0.01), 0.006) / 3.0, 0.001);
     /* of two names one that nothing asks, of a wide range */

@@ -45,6 +45,7 @@ typedef struct {
     const cli_call *call;
     const calibrate_options *o;
     const char *path, *folder; /* of the file */
+    rp_folder runs_in;         /* locked */
     config_t config;
     stats_quest quest;
     const char *name[STATS_NAMES];
@@ -269,6 +270,7 @@ static rp_status find_names(problem *s)
     bool found[STATS_NAMES] = {false};
     for (size_t p = 0; p < s->quest.n_names; p++) x[p] = 0.5 * (s->quest.lo[p] + s->quest.hi[p]);
     RP_TRY(rp_make_directory(s->o->o));
+    RP_TRY(rp_folder_enter(s->o->o, &s->runs_in)); /* another calibration would plan other runs there */
     for (size_t i = 0; i < s->quest.n_groups * s->quest.n_names; i++) {
         const size_t g = i / s->quest.n_names, p = i % s->quest.n_names;
         const char *path = sweep_path(s, 0, g, ".cfg");
@@ -418,7 +420,7 @@ static rp_status read_tables(problem *s)
         for (size_t row = 0; row < t->n_rows; row++, row_at++) {
             double x[STATS_NAMES];
             size_t i = 0;
-            for (size_t c = 0; c < p; c++) x[c] = v[c * t->n_rows + row];
+            for (size_t c = 0; c < p; c++) x[c] = v[c * t->n_rows + row] + 0.0; /* of -0, 0 */
             while (i < s->n_table_points && memcmp(&s->points[i * p], x, p * sizeof *x) != 0) i++;
             if (i == s->n_table_points) memcpy(&s->points[s->n_table_points++ * p], x, p * sizeof *x);
             at[row_at] = i;
@@ -719,6 +721,7 @@ static rp_status calibrate(cli_call *call, const void *values)
         const char *slash = strrchr(s.path, '/');
         s.folder = rp_text(call->arena, "%.*s", slash ? (int)(slash - s.path) + 1 : 0, s.path);
         status = find(&s);
+        rp_folder_close(&s.runs_in);
         config_destroy(&s.config);
     }
     if (o->dry_run) remove_files(&s);
