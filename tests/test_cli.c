@@ -1430,6 +1430,10 @@ static void test_settings(void)
         {DERIVE("fit", "x = \"alpha_deg\"; y = \"DD\"; "), "a: y: runs: no column"},
         {DERIVE("fit", "rows = \"points\"; x = \"alpha_deg\"; y = \"D\"; "), "a: y: points: no column"},
         {DERIVE("compare", "of = [\"x/y\"]; "), "of: names of sweeps"},
+        {DERIVE("compare", "of = [ ]; "), "of: names of sweeps"},
+        {DERIVE("compare", "of = \"x\"; "), "of: names of sweeps"},
+        {DERIVE("compare", "of = [\"x\", \"y\", \"x\"]; "), "of: names of sweeps"},
+        {DERIVE("compare", "of = [\"x\"]; rows = \"points\"; "), "of: names of sweeps"},
         {DERIVE("field", "width = 4.0; "), "a stress field: stage missing"},
         {DERIVE("compare", "stage = \"b\"; "), "a angle compare: stage is for piles"},
         {"derive = { };", "derive: a list ("},
@@ -1455,6 +1459,8 @@ static void test_settings(void)
         "protocol = \"pile\"; replicas = 1; fixed = { base = 4; };\n"
         "derive = ( { table = \"a\"; with = \"correlation\"; of = [\"x\"]; x = \"D\"; y = \"D\"; } );\n");
     FAILS(65, "a reads the runs of x, which must be made first", "sweep make s.cfg -o e/d --tables t");
+    SHELL("sed '/derive/d' s.cfg >x.cfg && $REPOSE sweep plan x.cfg -o e/x >out");
+    FAILS(1, "must be made first: e/x: 1 of 1 runs are missing", "sweep make s.cfg -o e/d --tables t");
     /* what is known of the tables before the first run */
     static const char *const late[][2] = {
         {"trace = ( { rows = [99]; } );", "rows: row_99: the sweep has 1 runs, from 0"},

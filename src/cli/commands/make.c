@@ -175,11 +175,17 @@ static rp_status read_derive(making *m, const config_setting_t *setting)
         return rp_config_fail(setting, "%s %s: stage %s", name, command->name,
                               s->stage ? "is for piles of traces"
                                        : "missing (of the traces whose piles it reads)");
-    for (int i = 0; s->of && i < config_setting_length(s->of); i++)
-        if (!config_setting_get_string_elem(s->of, i) ||
-            strchr(config_setting_get_string_elem(s->of, i), '/'))
-            return rp_config_fail(s->of,
-                                  "of: names of sweeps expected, as in [\"lh_size\", \"lh_size_mid\"]");
+    const int n = s->of ? config_setting_length(s->of) : 0;
+    bool named = !s->of || (n > 0 && !rows);
+    for (int i = 0; i < n && named; i++) { /* each once */
+        const char *one = config_setting_get_string_elem(s->of, i);
+        named = one && !strchr(one, '/');
+        for (int k = 0; k < i && named; k++)
+            named = strcmp(one, config_setting_get_string_elem(s->of, k)) != 0;
+    }
+    if (!named)
+        return rp_config_fail(s->of, "of: names of sweeps expected, each once, as in [\"lh_size\", "
+                                     "\"lh_size_mid\"], and no rows");
     if (command->on_table) s->rows = rows ? rows : "runs";
     return read_options(m, s, command, "table with rows of stage");
 }
@@ -276,10 +282,12 @@ static rp_status load_of(const making *m, const step *s, cli_call *call, rp_tabl
     *table = NULL;
     for (int i = 0; i < config_setting_length(s->of); i++) {
         rp_table *more;
+        sweep_counts counts;
         const char *name = config_setting_get_string_elem(s->of, i), *folder = m->o->o;
         if (strcmp(name, m->recipe.name) != 0) RP_TRY(rp_path(call->arena, &folder, "%s/%s", beside, name));
-        RP_TRY(rp_prefix(cli_sweep_table(call, folder, SWEEP_RUNS, &more, &(sweep_counts){0}),
-                         "%s reads the runs of %s, which must be made first: ", s->table, name));
+        rp_status status = cli_sweep_table(call, folder, SWEEP_RUNS, &more, &counts);
+        if (!status) status = sweep_check_whole(folder, &counts);
+        RP_TRY(rp_prefix(status, "%s reads the runs of %s, which must be made first: ", s->table, name));
         cli_sources(call, more);
         if (*table) RP_TRY(rp_table_append(*table, more));
         if (!*table) *table = more;
