@@ -1425,6 +1425,7 @@ static void test_settings(void)
         {DERIVE("compare", "phi_deg = -1.0; "), "phi_deg = -1: out of range"},
         {DERIVE("compare", "o = \"x\"; "), "o: unknown key"},
         {DERIVE("compare", "rows = \"b\"; "), "rows = \"b\": runs, points or an"},
+        {DERIVE("compare", "rows = [\"points\"]; "), "rows = \"\": runs, points or an"},
         {DERIVE("compare", "where = [1]; "), "where = 1: text expected"},
         {DERIVE("fit", "x = \"alpha_deg\"; "), "y: missing"},
         {DERIVE("fit", "x = \"alpha_deg\"; y = \"DD\"; "), "a: y: runs: no column"},
@@ -1438,11 +1439,15 @@ static void test_settings(void)
         {DERIVE("compare", "stage = \"b\"; "), "a angle compare: stage is for piles"},
         {"derive = { };", "derive: a list ("},
         {"trace = ( { every = 3; } );", "rows: missing"},
+        {"trace = ( { rows = [-1]; } );", "rows: numbers of runs from 0"},
+        {"trace = ( { rows = [0.5]; } );", "rows: numbers of runs from 0"},
+        {"trace = ( { rows = [\"0\"]; } );", "rows: numbers of runs from 0"},
         {"trace = ( { rows = [0]; quiet = true; } );", "quiet: unknown key"},
         {"model = ( { table = \"a\"; with = \"fit\"; } );",
          "with = \"fit\": allowed: pile tent continuum lattice"},
         {"model = ( { table = \"a\"; with = \"tent\"; x1 = 0.9; } );", "x1 = 0.9: out of range"},
-        {"model = ( { table = \"a\"; with = \"tent\"; x1 = 0.3; folder = true; } );", "folder: only a pile"}};
+        {"model = ( { table = \"a\"; with = \"tent\"; x1 = 0.3; folder = true; } );", "folder: only a pile"},
+        {"model = ( { table = \"a\"; with = \"pile\"; folder = 1; } );", "folder: only a pile"}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         write_text("s.cfg",
                    "protocol = \"pile\"; replicas = 1; fixed = { base = 4; };\ngrid = { alpha_deg = [30.0]; "

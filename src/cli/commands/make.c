@@ -165,9 +165,10 @@ static rp_status read_derive(making *m, const config_setting_t *setting)
     const char *name = text_of(setting, "table"), *rows = text_of(setting, "rows");
     RP_TRY(check_name(m, setting, name));
     RP_TRY(find_command(m, setting, true, lists, N_OF(lists), &command));
-    if (rows && !is_made(m, rows))
+    if (member(setting, "rows") && (!rows || !is_made(m, rows)))
         return rp_config_fail(setting,
-                              "rows = \"%s\": runs, points or an earlier table of this file expected", rows);
+                              "rows = \"%s\": runs, points or an earlier table of this file expected",
+                              rows ? rows : "");
     step *s = add_step(m, setting, name);
     s->of = member(setting, "of");
     s->stage = text_of(setting, "stage");
@@ -199,7 +200,8 @@ static rp_status read_model(making *m, const config_setting_t *setting)
     step *s = add_step(m, setting, text_of(setting, "table"));
     const config_setting_t *folder = member(setting, "folder");
     s->folder = folder && config_setting_get_bool(folder);
-    if (folder && command != &cmd_pile) return rp_config_fail(folder, "folder: only a pile has one");
+    if (folder && (command != &cmd_pile || config_setting_type(folder) != CONFIG_TYPE_BOOL))
+        return rp_config_fail(folder, "folder: only a pile has one, true or false");
     return read_options(m, s, command, "table with folder");
 }
 
@@ -209,7 +211,9 @@ static rp_status read_trace(making *m, const config_setting_t *setting)
     if (!rows || !config_setting_length(rows))
         return rp_config_fail(setting, "rows: missing (numbers of runs, as in [0, 10])");
     for (int i = 0; i < config_setting_length(rows); i++) {
-        const long row = config_setting_get_int_elem(rows, i);
+        const config_setting_t *one = config_setting_get_elem(rows, (unsigned)i);
+        const long row = config_setting_type(one) == CONFIG_TYPE_INT ? config_setting_get_int(one) : -1;
+        if (row < 0) return rp_config_fail(rows, "rows: numbers of runs from 0 expected, as in [0, 10]");
         step *s = add_step(m, setting, rp_text(m->call->arena, "row_%ld", row));
         RP_TRY(read_options(m, s, &cmd_run, "rows"));
         s->folder = true;
