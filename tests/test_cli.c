@@ -1429,20 +1429,29 @@ static void test_settings(void)
         {DERIVE("compare", "phi_deg = -1.0; "), "phi_deg = -1: out of range"},
         {DERIVE("compare", "o = \"x\"; "), "o: unknown key"},
         {DERIVE("compare", "rows = \"b\"; "), "rows = \"b\": runs, points or an"},
+        {DERIVE("compare", "rows = [\"points\"]; "), "rows = \"\": runs, points or an"},
         {DERIVE("compare", "where = [1]; "), "where = 1: text expected"},
         {DERIVE("fit", "x = \"alpha_deg\"; "), "y: missing"},
         {DERIVE("fit", "x = \"alpha_deg\"; y = \"DD\"; "), "a: y: runs: no column"},
         {DERIVE("fit", "rows = \"points\"; x = \"alpha_deg\"; y = \"D\"; "), "a: y: points: no column"},
         {DERIVE("compare", "of = [\"x/y\"]; "), "of: names of sweeps"},
+        {DERIVE("compare", "of = [ ]; "), "of: names of sweeps"},
+        {DERIVE("compare", "of = \"x\"; "), "of: names of sweeps"},
+        {DERIVE("compare", "of = [\"x\", \"y\", \"x\"]; "), "of: names of sweeps"},
+        {DERIVE("compare", "of = [\"x\"]; rows = \"points\"; "), "of: names of sweeps"},
         {DERIVE("field", "width = 4.0; "), "a stress field: stage missing"},
         {DERIVE("compare", "stage = \"b\"; "), "a angle compare: stage is for piles"},
         {"derive = { };", "derive: a list ("},
         {"trace = ( { every = 3; } );", "rows: missing"},
+        {"trace = ( { rows = [-1]; } );", "rows: numbers of runs from 0"},
+        {"trace = ( { rows = [0.5]; } );", "rows: numbers of runs from 0"},
+        {"trace = ( { rows = [\"0\"]; } );", "rows: numbers of runs from 0"},
         {"trace = ( { rows = [0]; quiet = true; } );", "quiet: unknown key"},
         {"model = ( { table = \"a\"; with = \"fit\"; } );",
          "with = \"fit\": allowed: pile tent continuum lattice"},
         {"model = ( { table = \"a\"; with = \"tent\"; x1 = 0.9; } );", "x1 = 0.9: out of range"},
-        {"model = ( { table = \"a\"; with = \"tent\"; x1 = 0.3; folder = true; } );", "folder: only a pile"}};
+        {"model = ( { table = \"a\"; with = \"tent\"; x1 = 0.3; folder = true; } );", "folder: only a pile"},
+        {"model = ( { table = \"a\"; with = \"pile\"; folder = 1; } );", "folder: only a pile"}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         write_text("s.cfg",
                    "protocol = \"pile\"; replicas = 1; fixed = { base = 4; };\ngrid = { alpha_deg = [30.0]; "
@@ -1459,6 +1468,8 @@ static void test_settings(void)
         "protocol = \"pile\"; replicas = 1; fixed = { base = 4; };\n"
         "derive = ( { table = \"a\"; with = \"correlation\"; of = [\"x\"]; x = \"D\"; y = \"D\"; } );\n");
     FAILS(65, "a reads the runs of x, which must be made first", "sweep make s.cfg -o e/d --tables t");
+    SHELL("sed '/derive/d' s.cfg >x.cfg && $REPOSE sweep plan x.cfg -o e/x >out");
+    FAILS(1, "must be made first: e/x: 1 of 1 runs are missing", "sweep make s.cfg -o e/d --tables t");
     /* what is known of the tables before the first run */
     static const char *const late[][2] = {
         {"trace = ( { rows = [99]; } );", "rows: row_99: the sweep has 1 runs, from 0"},

@@ -165,9 +165,10 @@ static rp_status read_derive(making *m, const config_setting_t *setting)
     const char *name = text_of(setting, "table"), *rows = text_of(setting, "rows");
     RP_TRY(check_name(m, setting, name));
     RP_TRY(find_command(m, setting, true, lists, N_OF(lists), &command));
-    if (rows && !is_made(m, rows))
+    if (member(setting, "rows") && (!rows || !is_made(m, rows)))
         return rp_config_fail(setting,
-                              "rows = \"%s\": runs, points or an earlier table of this file expected", rows);
+                              "rows = \"%s\": runs, points or an earlier table of this file expected",
+                              rows ? rows : "");
     step *s = add_step(m, setting, name);
     s->of = member(setting, "of");
     s->stage = text_of(setting, "stage");
@@ -175,11 +176,17 @@ static rp_status read_derive(making *m, const config_setting_t *setting)
         return rp_config_fail(setting, "%s %s: stage %s", name, command->name,
                               s->stage ? "is for piles of traces"
                                        : "missing (of the traces whose piles it reads)");
-    for (int i = 0; s->of && i < config_setting_length(s->of); i++)
-        if (!config_setting_get_string_elem(s->of, i) ||
-            strchr(config_setting_get_string_elem(s->of, i), '/'))
-            return rp_config_fail(s->of,
-                                  "of: names of sweeps expected, as in [\"lh_size\", \"lh_size_mid\"]");
+    const int n = s->of ? config_setting_length(s->of) : 0;
+    bool named = !s->of || (n > 0 && !rows);
+    for (int i = 0; i < n && named; i++) { /* each once */
+        const char *one = config_setting_get_string_elem(s->of, i);
+        named = one && !strchr(one, '/');
+        for (int k = 0; k < i && named; k++)
+            named = strcmp(one, config_setting_get_string_elem(s->of, k)) != 0;
+    }
+    if (!named)
+        return rp_config_fail(s->of, "of: names of sweeps expected, each once, as in [\"lh_size\", "
+                                     "\"lh_size_mid\"], and no rows");
     if (command->on_table) s->rows = rows ? rows : "runs";
     return read_options(m, s, command, "table with rows of stage");
 }
@@ -193,7 +200,8 @@ static rp_status read_model(making *m, const config_setting_t *setting)
     step *s = add_step(m, setting, text_of(setting, "table"));
     const config_setting_t *folder = member(setting, "folder");
     s->folder = folder && config_setting_get_bool(folder);
-    if (folder && command != &cmd_pile) return rp_config_fail(folder, "folder: only a pile has one");
+    if (folder && (command != &cmd_pile || config_setting_type(folder) != CONFIG_TYPE_BOOL))
+        return rp_config_fail(folder, "folder: only a pile has one, true or false");
     return read_options(m, s, command, "table with folder");
 }
 
@@ -203,7 +211,9 @@ static rp_status read_trace(making *m, const config_setting_t *setting)
     if (!rows || !config_setting_length(rows))
         return rp_config_fail(setting, "rows: missing (numbers of runs, as in [0, 10])");
     for (int i = 0; i < config_setting_length(rows); i++) {
-        const long row = config_setting_get_int_elem(rows, i);
+        const config_setting_t *one = config_setting_get_elem(rows, (unsigned)i);
+        const long row = config_setting_type(one) == CONFIG_TYPE_INT ? config_setting_get_int(one) : -1;
+        if (row < 0) return rp_config_fail(rows, "rows: numbers of runs from 0 expected, as in [0, 10]");
         step *s = add_step(m, setting, rp_text(m->call->arena, "row_%ld", row));
         RP_TRY(read_options(m, s, &cmd_run, "rows"));
         s->folder = true;
@@ -276,10 +286,12 @@ static rp_status load_of(const making *m, const step *s, cli_call *call, rp_tabl
     *table = NULL;
     for (int i = 0; i < config_setting_length(s->of); i++) {
         rp_table *more;
+        sweep_counts counts;
         const char *name = config_setting_get_string_elem(s->of, i), *folder = m->o->o;
         if (strcmp(name, m->recipe.name) != 0) RP_TRY(rp_path(call->arena, &folder, "%s/%s", beside, name));
-        RP_TRY(rp_prefix(cli_sweep_table(call, folder, SWEEP_RUNS, &more, &(sweep_counts){0}),
-                         "%s reads the runs of %s, which must be made first: ", s->table, name));
+        rp_status status = cli_sweep_table(call, folder, SWEEP_RUNS, &more, &counts);
+        if (!status) status = sweep_check_whole(folder, &counts);
+        RP_TRY(rp_prefix(status, "%s reads the runs of %s, which must be made first: ", s->table, name));
         cli_sources(call, more);
         if (*table) RP_TRY(rp_table_append(*table, more));
         if (!*table) *table = more;
