@@ -805,6 +805,23 @@ static void test_slow_turns(void)
     }
 }
 
+/* A let that is computed again, after a grid point that gave it a number. */
+static void test_computed_again(void)
+{
+    write_text("c.cfg",
+               "let = { a = 0.5; b = { value = \"a\"; range = \"[0, inf) | endless\"; }; c = \"2*b\"; "
+               "}; particles = ( { x = 0.0; y = 0.0; r = 0.1; } ); phases = ( { name = \"fall\"; "
+               "steps = 3; } ); measure = ( { name = \"is\"; of = \"c\"; } );\n");
+    write_text("s.cfg", "experiment = \"c.cfg\"; replicas = 1; grid = { b = (\"computed\", 0.25); };\n");
+    GOOD("sweep make s.cfg -o again -j 1 --quiet");
+    PRINTS("\n0\tok\tcomputed\t0\t", "sweep export again");
+    SHELL("$REPOSE stats select --columns b,is --bare out | tr '\\t\\n' '  ' | grep -q '^computed 1 0.25 0.5 "
+          "$'");
+    write_text("s.cfg", "experiment = \"c.cfg\"; replicas = 1; fixed = { b = \"endless\"; };\n");
+    FAILS(65, "fixed.b = \"endless\": a number expected, allowed: [0, inf) | computed",
+          "sweep plan s.cfg -o e");
+}
+
 /* ---- walls, modules and avalanches ---- */
 
 static const char lift[] =
@@ -1269,4 +1286,4 @@ CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, te
                    test_mean_grain, test_refused_more, test_cuts, test_kept, test_where, test_started_at,
                    test_words, test_refused, test_keys, test_random_texts, test_run, test_resumed, test_swept,
                    test_shared_ends, test_other_measures, test_other_texts, test_other_snapshots,
-                   test_sweeps_refused, test_slow_turns)
+                   test_sweeps_refused, test_slow_turns, test_computed_again)

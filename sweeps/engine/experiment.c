@@ -31,7 +31,7 @@ typedef struct {
     char *bytes;      /* of a file */
     rp_param *schema; /* of lets, then of keys of the scene */
     size_t n_lets, n_params;
-    const char **keys;
+    const char **keys; /* of a computed let its expression */
 } experiment;
 
 static const char COMPUTED[] = "computed";
@@ -59,10 +59,11 @@ static rp_status plan_of(const void *params, exp_plan **plan)
     for (const rp_param *p = e->schema; p < e->schema + e->n_lets; p++) {
         char word[64];
         const slot *v = (const slot *)((const char *)params + p->offset);
-        if (p->type == RP_REAL && isinf(v->number) && p->fallback && strstr(p->range, COMPUTED)) continue;
+        const char *own = e->keys[p - e->schema];
         const rp_value value =
-            p->type == RP_REAL   ? (rp_value){.kind = RP_V_REAL, .r = v->number}
-            : p->type == RP_BOOL ? (rp_value){.kind = RP_V_BOOL, .i = v->truth}
+            own && isinf(v->number) ? (rp_value){.kind = RP_V_TEXT, .s = own} /* over an earlier run's */
+            : p->type == RP_REAL    ? (rp_value){.kind = RP_V_REAL, .r = v->number}
+            : p->type == RP_BOOL    ? (rp_value){.kind = RP_V_BOOL, .i = v->truth}
             : p->type == RP_TEXT
                 ? (rp_value){.kind = RP_V_TEXT, .s = v->word}
                 : (rp_value){.kind = RP_V_TEXT, .s = rp_word_at(p->range, v->choice, word, sizeof word)};
@@ -285,7 +286,13 @@ static rp_status add_let(experiment *e, const rp_let *let)
         rp_params_text(&(rp_param){.type = RP_REAL, .range = p->range}, &let->is.value, text, sizeof text);
     else
         rp_number_text(let->is.value, 6, text, sizeof text);
-    if (let->computed) p->range = rp_text(&e->arena, "%s | %s", p->range, COMPUTED);
+    if (let->computed) { /* infinity stands for it, so that no word of the range can */
+        const config_setting_t *own = config_lookup(&e->text.config, "let");
+        own = config_setting_get_member(own, let->name);
+        if (config_setting_is_group(own)) own = config_setting_get_member(own, "value");
+        e->keys[p - e->schema] = rp_text(&e->arena, "%s", config_setting_get_string(own));
+        p->range = rp_text(&e->arena, "%.*s | %s", (int)strcspn(p->range, ")]") + 1, p->range, COMPUTED);
+    }
     p->fallback = let->computed ? COMPUTED
                   : number      ? rp_text(&e->arena, "%s", text)
                   : word        ? rp_text(&e->arena, "%s", let->is.word)
