@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "core/file.h"
+#include "core/folder.h"
 #include "core/random.h"
 #include "tests/program.h"
 
@@ -304,4 +305,20 @@ static void test_random_folders(void)
     folder_remove(base);
 }
 
-CHECK_SUITE_WITHIN(folders, "folders", enter, leave, test_refusals, test_sweeps, test_random_folders)
+/* One process is killed while a result takes its place, and the next one in the run after it. */
+static void test_killed_twice(void)
+{
+    rp_folder f, stage;
+    bool moved;
+    write_text("s.cfg", SCENE);
+    GOOD("run s.cfg -o k");
+    SHELL("no=$(printf %032d | tr 0 -); printf -- '- %s old.tsv\n= %s unfinished\n' $no $no >>k/.repose");
+    CU_ASSERT(rp_folder_enter(path_of("k"), &f) == RP_OK && rp_folder_settle(&f, &moved) == RP_OK && moved);
+    CU_ASSERT(rp_folder_stage(&f, true, &stage) == RP_OK);
+    rp_folder_close(&stage);
+    rp_folder_close(&f);
+    GOOD("run s.cfg -o k --force");
+}
+
+CHECK_SUITE_WITHIN(folders, "folders", enter, leave, test_refusals, test_killed_twice, test_sweeps,
+                   test_random_folders)

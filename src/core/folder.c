@@ -44,7 +44,8 @@ static bool is_there(const rp_folder *f, const char *name, struct stat *info)
 rp_own *rp_folder_find(const rp_folder *f, const char *name, char act)
 {
     for (size_t i = 0; i < f->n; i++)
-        if (strcmp(f->own[i].name, name) == 0 && (!act || f->own[i].act == act)) return &f->own[i];
+        if (strcmp(f->own[i].name, name) == 0 && f->own[i].act && (!act || f->own[i].act == act))
+            return &f->own[i]; /* not of one that is gone */
     return NULL;
 }
 
