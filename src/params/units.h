@@ -24,8 +24,7 @@ rp_units rp_units_find(const char *word);
  * are. */
 const char *rp_unit(const char *cgs);
 
-/* RP_BAD_INPUT for a label with a unit of another system, or with a multiple (mm): numbers are not converted.
- */
+/* RP_BAD_INPUT for a label with a unit of another system, or with a multiple (mm), which is not converted. */
 rp_status rp_unit_check(const char *label);
 
 /* A number of such a quantity in cgs, converted to the system that holds; 12 digits. */
