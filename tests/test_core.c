@@ -454,11 +454,12 @@ static void table_forms(void)
     CHECK_FAILS(read_as(",x,y\n1,2\n3,4\n", &t), RP_BAD_INPUT, ":2: 2 cells where 3 are expected");
 }
 
-/* Rows of two tables, each with its cells and its place, also in a message and where rows before it go. */
+/* Rows of two tables, each with its cells and its place, also in a message and where rows before it go. A run
+ * of the first is left out, whatever its number. */
 static void table_append(void)
 {
-    static const char *const texts[] = {"# x\ty\n1\ta\n\n2\tb\n",
-                                        "# note: 5\n# x\ty\n3\tc\n# a word\n4\td\n5\te\n"},
+    static const char *const texts[] = {"# run\ty\n1\ta\n\n2\tb\n",
+                                        "# note: 5\n# run\ty\n3\tc\n# a word\n4\td\n5\te\n6\ta\n"},
                              cells[] = "1a2b3c4d5e";
     static const size_t lines[] = {2, 4, 3, 5, 6};
     rp_table t[2];
@@ -472,7 +473,7 @@ static void table_append(void)
         CU_ASSERT_STRING_EQUAL(t[0].places[row].path, row < 2 ? "first" : "second");
         for (size_t c = 0; c < 2; c++) CU_ASSERT(*t[0].cells[2 * row + c] == cells[2 * row + c]);
     }
-    CHECK_OK(rp_table_where(&t[0], "x!=2"));
+    CHECK_OK(rp_table_where(&t[0], "run!=2"));
     CHECK_FAILS(rp_table_number(&t[0], 0, 1, 0, &value), RP_BAD_INPUT, "first:2: column 2 y: ");
     CHECK_FAILS(rp_table_number(&t[0], 1, 1, 0, &value), RP_BAD_INPUT, "second:3: column 2 y: ");
     for (int k = 0; k < 2; k++) rp_table_free(&t[k]);
@@ -490,6 +491,8 @@ static void table_append_columns(void)
         CHECK_FAILS(rp_table_append(&t, &other), RP_BAD_INPUT, "t and other have different columns");
         CU_ASSERT_EQUAL(t.n_rows, 1);
     }
+    CHECK_OK(rp_table_append(&t, &t)); /* rows of no run */
+    CU_ASSERT_EQUAL(t.n_rows, 2);
 }
 
 /* Which of the rows 1, 2, 3, word, nan and 20 a condition keeps, as a number of their digits. Numbers are

@@ -310,6 +310,20 @@ static bool same_note(const rp_table *a, const rp_table *b, const char *key)
     return of_a && of_b ? strcmp(of_a, of_b) == 0 : of_a == of_b;
 }
 
+/* A row without its first cell. */
+typedef struct {
+    char *const *cells;
+    size_t n;
+} row_cells;
+
+static int by_cells(const void *a, const void *b)
+{
+    const row_cells *p = a, *q = b;
+    int order = 0;
+    for (size_t c = 1; c < p->n && !order; c++) order = strcmp(p->cells[c], q->cells[c]);
+    return order;
+}
+
 rp_status rp_table_append(rp_table *table, const rp_table *more)
 {
     const size_t columns = table->n_columns, n = table->n_rows, added = more->n_rows;
@@ -323,10 +337,21 @@ rp_status rp_table_append(rp_table *table, const rp_table *more)
     if (cells) table->cells = cells;
     rp_place *places = realloc(table->places, (n + added + 1) * sizeof *places);
     if (places) table->places = places;
-    if (!cells || !places) return rp_fail(RP_NO_MEMORY, "%s: out of memory", more->path);
-    for (size_t i = 0; i < added * columns; i++) cells[n * columns + i] = more->cells[i];
-    for (size_t i = 0; i < added; i++) places[n + i] = more->places[i];
-    table->n_rows += added;
+    const bool runs = columns && table->names[0] && strcmp(table->names[0], "run") == 0;
+    row_cells *there = malloc((n + 1) * sizeof *there);
+    if (!cells || !places || !there) {
+        free(there);
+        return rp_fail(RP_NO_MEMORY, "%s: out of memory", more->path);
+    }
+    for (size_t i = 0; i < n; i++) there[i] = (row_cells){cells + i * columns, columns};
+    if (runs) qsort(there, n, sizeof *there, by_cells);
+    for (size_t i = 0; i < added; i++) {
+        const row_cells row = {more->cells + i * columns, columns};
+        if (runs && bsearch(&row, there, n, sizeof *there, by_cells)) continue;
+        memcpy(cells + table->n_rows * columns, row.cells, columns * sizeof *cells);
+        places[table->n_rows++] = more->places[i];
+    }
+    free(there);
     return RP_OK;
 }
 

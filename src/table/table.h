@@ -62,7 +62,8 @@ typedef struct {
 rp_status rp_table_read(const char *path, rp_table *table);
 
 /* The rows of `more`, whose texts are borrowed, after those of `table`; messages on the whole name the path
- * of `table`. Errors: RP_BAD_INPUT for other columns or units, RP_NO_MEMORY. */
+ * of `table`. Of runs, whose first column is "run", those that `table` has under another number are left out.
+ * Errors: RP_BAD_INPUT for other columns or units, RP_NO_MEMORY. */
 rp_status rp_table_append(rp_table *table, const rp_table *more);
 
 /* As rp_table_read, of a text from malloc, which the table takes; `name` is for messages, and borrowed. Its
