@@ -212,6 +212,8 @@ static const char rain[] =
     "      add = { N = 2; kind = `drop`; x = (-1.0, 1.0); y = `touch + 0.2`; vy = `-sqrt(2*g*0.1)`; };\n"
     "      until = `touched and held(speed < 1, 5)`; } ); },\n"
     "  { name = `cloud`; add = { N = 20; kind = `drop`; x = (-1.5, 1.5); y = (3.0, 4.0); }; steps = 1; },\n"
+    "  { name = `b`; repeat = 2; phases = ( { name = `p`; steps = 1; } ); }, { name = `q`; mark = true; "
+    "steps = 1; },\n"
     "  { name = `clear`; remove = `right`; steps = 1; } );\n"
     "measure = ( { name = `y1`; of = `stone.y`; at = `first`; },\n"
     "  { name = `m1`; of = `stone.mass`; at = `first`; },\n"
@@ -221,6 +223,8 @@ static const char rain[] =
     "  { name = `n2`; of = `grains`; at = `cloud`; },\n"
     "  { name = `lost`; of = `right.grains`; at = `cloud`; },\n"
     "  { name = `n3`; of = `grains`; at = `clear`; }, { name = `gone`; of = `out`; at = `clear`; },\n"
+    "  { name = `lost_mass`; of = `right.mass`; at = `cloud`; }, { name = `weighed`; of = "
+    "`out_mass/lost_mass`; at = `clear`; },\n"
     "  { name = `own`; of = `stone.energy/(0.5*stone.mass*(stone.vx^2 + stone.vy^2))`; at = `rain`; },\n"
     "  { name = `stones`; of = `stone.grains`; } );\n";
 
@@ -238,6 +242,7 @@ static void test_added(void)
     CHECK_EACH(measured(&t, NAME), 0.0, {"n1", 12.0}, {"added1", 13.0}, {"n2", 33.0}, {"n3", 33.0 - lost},
                {"gone", lost}, {"stones", 0.0});
     CHECK_NEAR(measured(&t, "own"), 1.0, 1e-12);
+    CHECK_NEAR(measured(&t, "weighed"), 1.0, 1e-12);
     CU_ASSERT(lost > 1.0 && fabs(measured(&t, "x")) < 1.0 && measured(&t, "moved") >= 0.0);
 }
 
@@ -403,6 +408,8 @@ static void test_keys(void)
                                          {rain, "(9.0, 9.0)", "(9.0, 8.0)", "another"},
                                          {rain, "name = `floor`", "name = `ground`", "another"},
                                          {rain, "mark = true; ", "", "another"},
+                                         {rain, "} ); }, { name = `q`; mark = true; steps = 1; }",
+                                          "}, { name = `q`; mark = true; steps = 1; } ); }", "another"},
                                          {back, "from = `fill`; steps", "from = `one`; steps", "another"},
                                          {back, "name = `three`;", "name = `three`; keep = true;", "same"},
                                          {back, "steps = 0;", "steps = 0; damp = true;", "another"}};
@@ -423,6 +430,7 @@ static void test_refused(void)
         {incline, "tangential = { mu = `later`; }", "rolling = { mu = 0.1; }", "needs rotation = true"},
         {incline, "dt = 5e-6", "dt = 5e-3", "phase again: dt = 0.005: too large"},
         {incline, "floor = { mu = 0.0; }", "floor = { mu = -1.0; }", "mu = -1: out of range"},
+        {incline, "floor = { mu = 0.0; }", "floor = { mu_roll = 0.1; }", "wall 2: mu_roll = 0.1"},
         {incline, "floor = { mu = 0.0; }", "flor = { mu = 0.0; }",
          "flor: no wall has this name (did you mean"},
         {rain, "r = 0.3; density = 2.0", "r = 0.01; density = 0.2", "dt = 5e-05: too large for"},
@@ -579,6 +587,7 @@ static void test_longer(void)
         "  { name = `mean_y`; of = `y`; during = `shake`; take = `mean`; every = 70; series = true; },\n"
         "  { name = `most`; of = `y`; during = `shake`; take = `max`; every = 30; },\n"
         "  { name = `moves`; of = `change(y)`; during = `shake`; take = `mean`; every = 20; },\n"
+        "  { name = `late`; of = `sqrt(2800 - step)`; }, { name = `order`; of = `order`; },\n"
         "  { name = `end`; of = `mean_y + vy`; } );\n";
     write_trial("l.cfg", text);
     GOOD("run l.cfg -o short");
