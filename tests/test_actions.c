@@ -428,6 +428,7 @@ static void test_refused(void)
         {incline, "tangential = { mu = `later`; }", "tangential = { law = `none`; }",
          "needs a tangential law"},
         {incline, "tangential = { mu = `later`; }", "rolling = { mu = 0.1; }", "needs rotation = true"},
+        {incline, "dt = 1e-5", "dt = `dt_limit(1/0)`", "a speed and, if wanted, a radius expected"},
         {incline, "dt = 5e-6", "dt = 5e-3", "phase again: dt = 0.005: too large"},
         {incline, "floor = { mu = 0.0; }", "floor = { mu = -1.0; }", "mu = -1: out of range"},
         {incline, "floor = { mu = 0.0; }", "floor = { mu_roll = 0.1; }", "wall 2: mu_roll = 0.1"},

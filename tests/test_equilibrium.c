@@ -1012,6 +1012,8 @@ static void test_unsupported(void)
     size_t few[N] = {0};
     CU_ASSERT_EQUAL(statics_bonds_unsupported(&net, lean, 2, few), found);
     CU_ASSERT(few[0] == which[0] && few[1] == which[1] && few[2] == 0);
+    CU_ASSERT_EQUAL(statics_bonds_unsupported(&(statics_network){1, disks + 3, 1.25, 0, NULL}, lean, 1, few),
+                    1);
 }
 
 /* The pile of half the size: for k = 7 at 60 degrees that of k = 4, with all other disks half way between its

@@ -392,6 +392,9 @@ static void test_valleys(void)
                 RP_BAD_INPUT, "1 dimensions, 0 cells");
     CHECK_FAILS(stats_least(&(stats_minimum){depth_in, NULL, 4, lo, hi, 8, false, NULL}, x, &value),
                 RP_BAD_INPUT, "4 dimensions");
+    const double none[] = {-INFINITY};
+    CHECK_FAILS(stats_least(&(stats_minimum){depth_in, NULL, 1, none, hi, 8, false, NULL}, x, &value),
+                RP_BAD_INPUT, "side 1: [-inf, 1]");
 }
 
 CHECK_SUITE(identify, "identify", test_valleys, test_one, test_two, test_three, test_arch, test_degenerate,
