@@ -144,9 +144,10 @@ static void test_cut(void)
         "{ pattern = \"row\"; W = 3.0; spacing = 0.5; radius_width = 0.0; }",
         ("{ pattern = \"lattice\"; W = 2.2; H = 9.0; spacing = 0.2; radius_width = 0.0; polygon = ( (0.07, "
          "0.05), (2.13, 0.05), (1.1, 1.84) ); }"),
-        "{ N = 300; W = 8.0; H = 8.0; polygon = ( (0.0, 0.0), (8.0, 0.0), (0.0, 8.0) ); }"};
-    static const size_t counts[] = {6, 66, 300}; /* of the second 11 rows of 11 to 1 */
-    for (int k = 0; k < 3; k++) {
+        "{ N = 300; W = 8.0; H = 8.0; polygon = ( (0.0, 0.0), (8.0, 0.0), (0.0, 8.0) ); }",
+        "{ pattern = \"row\"; W = 20.0; spacing = 0.19; radius_width = 0.0; }"};
+    static const size_t counts[] = {6, 66, 300, 105}; /* of the second 11 rows of 11 to 1 */
+    for (int k = 0; k < 4; k++) {
         scoped_scene s;
         scoped dem_grain *grains = NULL;
         size_t n, low = 0;

@@ -62,5 +62,5 @@ set yrange [-3:4]
 set xtics ('10^4' 1, '10^5' 2, '50' 3, '100' 4, '500' 5)
 set label 1 '{/:Italic k}_n' at graph 0.2, graph -0.2 center
 set label 2 '{/:Italic γ}_n' at graph 0.7, graph -0.2 center
-plot '+' using ($0 < 2 ? 0.5 + 5*$0 : NaN):(shift - 1/sqrt(weight)):(shift + 1/sqrt(weight)) every ::0::1 with filledcurves fc rgb '#dddddd' notitle, \
+plot '+' using (0.5 + 5*$0):(shift - 1/sqrt(weight)):(shift + 1/sqrt(weight)) every ::0::1 with filledcurves fc rgb '#dddddd' notitle, \
      '+' using ($0 + 1):(ours_less[int($0) + 1]):(error[int($0) + 1]) every ::0::4 with yerrorbars ls 1 notitle

@@ -79,7 +79,7 @@ suites_of() {
     src/dem/list/removal.c) echo removal dem units ;;
     src/dem/setup/* | src/dem/methods/gravity.c | src/dem/state/vec.c | src/dem/methods/step.c | src/dem/sim.c | src/dem/run.c)
         echo units scene walls golden motion hard soft rotation dem laws ;;
-    sweeps/engine/keep.c | sweeps/engine/experiment.c) echo experiment sweep snapshot ;;
+    sweeps/engine/keep.c | sweeps/engine/experiment.c) echo experiment sweep snapshot cli ;;
     sweeps/protocols/protocols.c) echo sweep golden tables notes cli ;;
     sweeps/engine/pool.c | sweeps/engine/sweep.c) echo sweep drill notes tables evidence cli snapshot ;;
     sweeps/engine/physics.c) echo golden keys sweep ;;
