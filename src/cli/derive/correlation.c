@@ -23,7 +23,8 @@ static rp_status print_correlations(rp_arena *arena, const rp_table *table, cons
         stats_correlation c;
         status =
             stats_correlate(rows->first[g + 1] - first, rows->column[x] + first, rows->column[0] + first, &c);
-        if (status && c.n < 4) return status;
+        if (status && c.n < 4)
+            return rp_prefix(status, "%s%s", groups->words[g], *groups->words[g] ? ": " : "");
         *found = *found || !status;
         if (*groups->words[g]) printf("%s\t", groups->words[g]);
         const char *failed = rp_failed_text(arena, table, groups, g, NULL, NULL);
