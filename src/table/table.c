@@ -161,7 +161,7 @@ static rp_status take_names(reading *r, char *line, char *row)
     rp_table *t = r->table;
     const char *blanks = blanks_of(line, r->texts);
     const size_t n = row ? count_cells(row, r->blanks) : t->n_columns, strict = count_cells(line, "\t\r");
-    r->lead = *line;
+    r->lead = line[strspn(line, " ")];
     if (n && count_cells(line, blanks) != n && strict > 1 && *line != '\t' &&
         (strict == n || (row && strict == count_cells(row, "\t\r"))))
         blanks = "\t\r";
@@ -337,8 +337,11 @@ const char *rp_cell(const rp_table *table, size_t row, int column)
 
 int rp_table_column(const rp_table *table, const char *name)
 {
-    for (size_t i = 0; table->names && i < table->n_columns; i++) /* none after an error of reading */
-        if (table->names[i] ? strcmp(table->names[i], name) == 0 : (size_t)atol(name) == i + 1) return (int)i;
+    char number[24];
+    for (size_t i = 0; table->names && i < table->n_columns; i++) { /* none after an error of reading */
+        snprintf(number, sizeof number, "%zu", i + 1);
+        if (strcmp(table->names[i] ? table->names[i] : number, name) == 0) return (int)i;
+    }
     return -1;
 }
 

@@ -1,4 +1,5 @@
 /* repose stats trend, repose stats size: how a column of a table of runs depends on another. */
+#include <ctype.h>
 #include <string.h>
 
 #include "stats/stats.h"
@@ -55,9 +56,9 @@ static rp_status read_rows(rp_arena *arena, const rp_table *t, const trend_optio
     RP_TRY(rp_rows_read(arena, t, names, &choice, &r->of));
     for (size_t i = 0; i < r->of.n; i++) {
         double *x = &r->of.column[0][i];
-        if (o->scale != SCALE_LINEAR && !(*x > 0.0))
-            return rp_fail(RP_BAD_INPUT, "%s:%zu: %s = %g: out of range of this scale, allowed: (0, inf)",
-                           RP_PLACE(t, r->of.row[i]), o->x, *x);
+        if ((o->scale != SCALE_LINEAR || o->power != 0.0) && !(*x > 0.0))
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: %s = %g: out of range of this scale%s, allowed: (0, inf)",
+                           RP_PLACE(t, r->of.row[i]), o->x, *x, o->power != 0.0 ? " or --power" : "");
         *x = o->scale == SCALE_LOG ? log10(*x) : o->scale == SCALE_INVERSE ? 1.0 / *x : *x;
     }
     return RP_OK;
@@ -157,8 +158,9 @@ static rp_status number_words(rp_arena *arena, rp_table *t, const trend_options 
     RP_TRY(rp_group_rows(arena, t, o->x, ',', &known));
     for (size_t k = 0; k < known.n_groups; k++) {
         double number = 0.0;
-        const bool is_number =
-            rp_text_number(known.words[k], &number) || strcmp(known.words[k], "infinite") == 0;
+        const char *word = known.words[k];
+        const bool begins = isdigit((unsigned char)word[strspn(word, "+-.")]), /* 0,1 or 5 mm: an error */
+            is_number = begins || rp_text_number(word, &number) || strcmp(word, "infinite") == 0;
         if (is_number && !isnan(number)) return RP_OK;
     }
     for (size_t k = 0; k < known.n_groups; k++) {
@@ -225,7 +227,7 @@ const cli_command cmd_stats_trend = {
     trend_params,
     .refuses =
         "A number that is not positive with --scale log; more than ten different words in column x, or "
-        "words among numbers.\n"
+        "one that begins with a digit, or words among numbers.\n"
         "Too few x or rows for a line: exit status 1.",
     .derives = true,
     .on_table = trend_of_table};
