@@ -775,7 +775,7 @@ static void test_stress_tables(void)
     CU_ASSERT(shell_line(named, "if ($2) $5 += 0.01") == 0);
     FAILS(65, "w: no contact with a level floor: name its wall by --floor", "stress base w --width 1.2");
     GOOD("stress base w --width 1.2 --floor 1");
-    FAILS(65, "w: no contact with a level floor", "stress base w --width 1.2 --floor 7");
+    FAILS(65, "w: --floor = 7: no grain touches this wall", "stress base w --width 1.2 --floor 7");
     /* a grain that flew off is named with its pile; 100000 cells away it still has one */
     shell(
         "cp p_contacts.tsv far_contacts.tsv; sed 's/^0.7/2e4/' p_grains.tsv >far_grains.tsv; "

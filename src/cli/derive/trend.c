@@ -236,7 +236,8 @@ const cli_command cmd_stats_size = {
     "stats size",
     "limit of infinite size, from a table of runs",
     "TABLE... -x COLUMN -y COLUMN [options]",
-    "Finite size: y = limit + c/x by least squares, one row a group; errors from the scatter at each x;\n"
+    "Finite size: y = limit + c/x by least squares, one row a group; errors from the scatter at each x,\n"
+    "or, if an x has one row only, from that about the line, taken as the same at all x;\n"
     "lo and hi are 95 % intervals (Student). p_value: of c, two-sided; p_holm: corrected for the number\n"
     "of groups; p_bend: of a term in 1/x^2, small where limit + c/x does not describe the means.\n"
     "status is ok, curved where p_bend < 0.05, or no_result.\n" TABLE_HELP,
