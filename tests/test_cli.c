@@ -604,8 +604,8 @@ static void test_outline(void)
     static const char *const names[] = {" ,X,Y", "id,X,Y", "id,a,b"};
     for (size_t k = 0; k < 3; k++) {
         write_text("outline.csv", "%s\n1,0,5\n2,1,4\n3,2,3\n4,3,2\n5,4,1\n6,5,0\n", names[k]);
-        CU_ASSERT(run("angle slope outline.csv") == 0);
-        CU_ASSERT(k < 2 ? strstr(out, "\n1\t1\t") != NULL : strstr(err, "instead: id, a\n") != NULL);
+        CU_ASSERT(run("angle slope outline.csv") == 0 &&
+                  (k < 2 ? strstr(out, "\n1\t1\t") : strstr(err, "instead: id, a\n")) != NULL);
     }
     write_text("outline.csv", "0.5 9 0.3\n1.5 8 0\n2.5 7 0.7\n");
     FAILS(65, "outline.csv:2: r = 0: out of range", "angle slope outline.csv --width 5");
@@ -928,11 +928,15 @@ static void test_stats_trends(void)
     FAILS(65, "no column \"pile\"", "stats trend runs.tsv -x x -y y --pair");
     FAILS(65, "runs.tsv:4: x = 0: out of range of this scale or --power",
           "stats trend runs.tsv -x x -y y --power 2");
-    GOOD("stats trend runs.tsv -x x -y y"); /* without status every row counts */
-    /* a unit makes no word of a number */
-    write_text("runs.tsv", "x\ty\n5mm\t2\n9mm\tinf\n");
+    GOOD("stats trend runs.tsv -x x -y y");             /* without status every row counts */
+    write_text("runs.tsv", "x\ty\n5mm\t2\n9mm\tinf\n"); /* not a word */
     FAILS(65, "runs.tsv:2: column 1 x: \"5mm\"", "stats trend runs.tsv -x x -y y");
     FAILS(65, "runs.tsv:3: column 2 y: \"inf\"", "stats correlation runs.tsv -x y -y y");
+    FAILS(64, "-x = \"x,y\": one column expected", "stats fit runs.tsv -x x,y -y y");
+    FAILS(64, "-y = \"x,y\": one column expected", "stats trend runs.tsv -x y -y x,y");
+    write_text("runs.tsv", "x\ty\n1\t5\n2\t5\n1\t5\n2\t5\n"); /* no trend, but of round-off */
+    PRINTS("\t0\t0\t0\t0\t1\t1\tnan\t0\t-\tok\n", "stats size runs.tsv -x x -y y");
+    FAILS(1, "no row", "stats trend runs.tsv -x x -y y --where 'x=1:2mm'");
 }
 
 static void test_stats_select(void)
@@ -944,9 +948,7 @@ static void test_stats_select(void)
     CU_ASSERT(strstr(out, "# units: 1\tcm\t1\t1\nlaw\tx\tb\tstatus\nnew\t-3\t7\tok\n") != NULL);
     GOOD("stats select a.tsv --where 'b<100' --columns x --bare"); /* nan is neither below nor above */
     CU_ASSERT_STRING_EQUAL(out, "1\n2\n-3\n");
-    write_text("plain.tsv", "1\t2\n3\t4\n"); /* columns without names have numbers */
-    PRINTS("\n2\n2\n4\n", "stats select plain.tsv --columns 2");
-    write_text("plain.tsv", "1\t2\t5\n3\t4\t6\n");
+    write_text("plain.tsv", "1\t2\t5\n3\t4\t6\n"); /* columns without names have numbers */
     PRINTS("\n3\t1\n5\t1\n6\t3\n", "stats select plain.tsv --columns 3,1");
     FAILS(65, "no column \"2nd\"", "stats select plain.tsv --columns 2nd");
     FAILS(65, "no column \"frob\"", "stats select a.tsv --where frob=1");

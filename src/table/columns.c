@@ -72,6 +72,11 @@ rp_status rp_column_list(const rp_table *table, const char *names, size_t most, 
     return *n > 0 ? RP_OK : rp_fail(RP_BAD_INPUT, "\"%s\": a column expected", names);
 }
 
+rp_status rp_one_column(const char *option, const char *name)
+{
+    return strchr(name, ',') ? rp_fail(RP_USAGE, "%s = \"%s\": one column expected", option, name) : RP_OK;
+}
+
 rp_status rp_columns(rp_arena *arena, const rp_table *table, const char *names, size_t *n, int **columns)
 {
     *n = table->n_columns;

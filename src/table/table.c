@@ -184,11 +184,12 @@ static bool is_header(const reading *r, char *line, size_t n)
     return !older && !holds_number(line, r->blanks);
 }
 
-/* Between commas; tabs and blanks may be several. */
-static bool has_empty_cell(const char *line, const char *blanks, size_t n)
+/* Between commas; tabs and blanks may be several, but not tabs beside a cell that holds a blank. */
+static bool has_empty_cell(char *line, const char *blanks, size_t n)
 {
     size_t commas = 0;
     bool quoted = false;
+    if (*blanks == ' ') return (*line == '\t' || strstr(line, "\t\t")) && count_cells(line, "\t\r") != n;
     for (; *line; line++) {
         quoted ^= *line == '"';
         commas += *line == ',' && !quoted;

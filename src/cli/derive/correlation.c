@@ -39,6 +39,7 @@ static rp_status correlation_of_table(cli_call *call, rp_table *table, const voi
     char *names = rp_text(call->arena, "%s,%s", o->y, o->x), *rest = names;
     rp_groups groups;
     rp_rows rows;
+    RP_TRY(rp_one_column("-y", o->y));
     RP_TRY(rp_group_rows(call->arena, table, o->by, '\t', &groups));
     RP_TRY(rp_rows_read(call->arena, table, names, &(rp_choice){.groups = &groups}, &rows));
     cli_table(call, stdout);

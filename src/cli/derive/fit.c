@@ -61,6 +61,9 @@ static rp_status fit_table(cli_call *call, rp_table *table, const void *values)
     rp_rows rows;
     if (logarithms && weighted)
         return rp_fail(RP_USAGE, "--scale log takes no --se: give one of them; see repose stats fit --help");
+    RP_TRY(rp_one_column("-x", o->x));
+    RP_TRY(rp_one_column("-y", o->y));
+    RP_TRY(rp_one_column("--se", o->se));
     const char *names =
         rp_text(call->arena, "%s,%s%s%s", o->x, o->y, weighted ? "," : "", weighted ? o->se : "");
     RP_TRY(rp_rows_read(call->arena, table, names, &choice, &rows));

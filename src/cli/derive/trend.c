@@ -52,6 +52,7 @@ static rp_status read_rows(rp_arena *arena, const rp_table *t, const trend_optio
 {
     const rp_choice choice = {.range = (double[]){o->from, o->to}, .groups = &r->groups};
     const char *names = rp_text(arena, "%s,%s%s", o->x, o->y, o->pair ? ",pile" : "");
+    RP_TRY(rp_one_column("-y", o->y)); /* one x was found */
     RP_TRY(rp_group_rows(arena, t, o->by, '\t', &r->groups));
     RP_TRY(rp_rows_read(arena, t, names, &choice, &r->of));
     for (size_t i = 0; i < r->of.n; i++) {
