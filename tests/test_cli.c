@@ -928,10 +928,11 @@ static void test_stats_trends(void)
     FAILS(65, "no column \"pile\"", "stats trend runs.tsv -x x -y y --pair");
     FAILS(65, "runs.tsv:4: x = 0: out of range of this scale or --power",
           "stats trend runs.tsv -x x -y y --power 2");
-    GOOD("stats trend runs.tsv -x x -y y");             /* without status every row counts */
-    write_text("runs.tsv", "x\ty\n5mm\t2\n9mm\tinf\n"); /* not a word */
+    GOOD("stats trend runs.tsv -x x -y y");                        /* without status every row counts */
+    write_text("runs.tsv", "x\ty\n5mm\t2\n9mm\tinf\n7mm\t\"\"\n"); /* not a word */
     FAILS(65, "runs.tsv:2: column 1 x: \"5mm\"", "stats trend runs.tsv -x x -y y");
     FAILS(65, "runs.tsv:3: column 2 y: \"inf\"", "stats correlation runs.tsv -x y -y y");
+    FAILS(65, "runs.tsv:4: column 2 y: \"\"", "stats correlation runs.tsv -x y -y y --where x=7mm");
     FAILS(64, "-x = \"x,y\": one column expected", "stats fit runs.tsv -x x,y -y y");
     FAILS(64, "-y = \"x,y\": one column expected", "stats trend runs.tsv -x y -y x,y");
     write_text("runs.tsv", "x\ty\n1\t5\n2\t5\n1\t5\n2\t5\n"); /* no trend, but of round-off */

@@ -393,13 +393,11 @@ const char *rp_table_next_note(const rp_table *table, const char *key, const cha
 rp_status rp_table_number(const rp_table *table, size_t row, int column, int missing_ok, double *value)
 {
     const char *cell = rp_cell(table, row, column);
-    char *end;
     if (missing_ok && strcmp(cell, "infinite") == 0) {
         *value = INFINITY;
         return RP_OK;
     }
-    *value = strtod(cell, &end);
-    if (*end || (!isfinite(*value) && !missing_ok))
+    if (!rp_text_number(cell, value) || (!isfinite(*value) && !missing_ok)) /* "" is none */
         return rp_fail(RP_BAD_INPUT, "%s:%zu: column %d%s%s: \"%.40s\" is not a finite number",
                        RP_PLACE(table, row), column + 1, table->names[column] ? " " : "",
                        table->names[column] ? table->names[column] : "", cell);
