@@ -600,6 +600,13 @@ static void test_outline(void)
         write_text("outline.csv", "%s\n0.5 9 0.3\n1.5 8 0.5\n", headers[k][0]);
         FAILS(65, check_text("no column %s", headers[k][1]), "angle slope outline.csv --width 5");
     }
+    /* an index and capital letters, as ImageJ writes them; of other names it is said which are taken */
+    static const char *const names[] = {" ,X,Y", "id,X,Y", "id,a,b"};
+    for (size_t k = 0; k < 3; k++) {
+        write_text("outline.csv", "%s\n1,0,5\n2,1,4\n3,2,3\n4,3,2\n5,4,1\n6,5,0\n", names[k]);
+        CU_ASSERT(run("angle slope outline.csv") == 0 &&
+                  (k < 2 ? strstr(out, "\n1\t1\t") : strstr(err, "instead: id, a\n")) != NULL);
+    }
     write_text("outline.csv", "0.5 9 0.3\n1.5 8 0\n2.5 7 0.7\n");
     FAILS(65, "outline.csv:2: r = 0: out of range", "angle slope outline.csv --width 5");
 }
@@ -768,7 +775,7 @@ static void test_stress_tables(void)
     CU_ASSERT(shell_line(named, "if ($2) $5 += 0.01") == 0);
     FAILS(65, "w: no contact with a level floor: name its wall by --floor", "stress base w --width 1.2");
     GOOD("stress base w --width 1.2 --floor 1");
-    FAILS(65, "w: no contact with a level floor", "stress base w --width 1.2 --floor 7");
+    FAILS(65, "w: --floor = 7: no grain touches this wall", "stress base w --width 1.2 --floor 7");
     /* a grain that flew off is named with its pile; 100000 cells away it still has one */
     shell(
         "cp p_contacts.tsv far_contacts.tsv; sed 's/^0.7/2e4/' p_grains.tsv >far_grains.tsv; "
@@ -814,6 +821,8 @@ static void test_stress_dip(void)
     scoped_table t = TABLE_OF("stress dip piles.tsv");
     CHECK_NEAR(cell(&t, 0, "n"), 4.0, 0.0);
     CHECK_EACH(cell(&t, 0, NAME), 1e-15, {"excess", 0.1}, {"middle", 0.5 / 1.1});
+    SHELL("sed 's/\\t[12]\\b/\\t0/g' piles.tsv >flat.tsv");
+    FAILS(65, "flat.tsv:2: n_01 to n_20: sum = 0: out of range", "stress dip flat.tsv");
 }
 
 /* Piles with an unfinished drop, and layers, are failed runs, excluded from the mean dip. */
@@ -917,8 +926,18 @@ static void test_stats_trends(void)
     write_text("runs.tsv", "# x\ty\n1\t2\n2\t4\n0\t1\n");
     FAILS(65, "runs.tsv:4: x = 0: out of range of this scale", "stats trend runs.tsv -x x -y y --scale log");
     FAILS(65, "no column \"pile\"", "stats trend runs.tsv -x x -y y --pair");
-    FAILS(65, "x = 0: out of range for weights", "stats trend runs.tsv -x x -y y --power 2");
-    GOOD("stats trend runs.tsv -x x -y y"); /* without status every row counts */
+    FAILS(65, "runs.tsv:4: x = 0: out of range of this scale or --power",
+          "stats trend runs.tsv -x x -y y --power 2");
+    GOOD("stats trend runs.tsv -x x -y y");                        /* without status every row counts */
+    write_text("runs.tsv", "x\ty\n5mm\t2\n9mm\tinf\n7mm\t\"\"\n"); /* not a word */
+    FAILS(65, "runs.tsv:2: column 1 x: \"5mm\"", "stats trend runs.tsv -x x -y y");
+    FAILS(65, "runs.tsv:3: column 2 y: \"inf\"", "stats correlation runs.tsv -x y -y y");
+    FAILS(65, "runs.tsv:4: column 2 y: \"\"", "stats correlation runs.tsv -x y -y y --where x=7mm");
+    FAILS(64, "-x = \"x,y\": one column expected", "stats fit runs.tsv -x x,y -y y");
+    FAILS(64, "-y = \"x,y\": one column expected", "stats trend runs.tsv -x y -y x,y");
+    write_text("runs.tsv", "x\ty\n1\t5\n2\t5\n1\t5\n2\t5\n"); /* no trend, but of round-off */
+    PRINTS("\t0\t0\t0\t0\t1\t1\tnan\t0\t-\tok\n", "stats size runs.tsv -x x -y y");
+    FAILS(1, "no row", "stats trend runs.tsv -x x -y y --where 'x=1:2mm'");
 }
 
 static void test_stats_select(void)
@@ -930,10 +949,9 @@ static void test_stats_select(void)
     CU_ASSERT(strstr(out, "# units: 1\tcm\t1\t1\nlaw\tx\tb\tstatus\nnew\t-3\t7\tok\n") != NULL);
     GOOD("stats select a.tsv --where 'b<100' --columns x --bare"); /* nan is neither below nor above */
     CU_ASSERT_STRING_EQUAL(out, "1\n2\n-3\n");
-    write_text("plain.tsv", "1\t2\n3\t4\n"); /* columns without names have numbers */
-    PRINTS("\n2\n2\n4\n", "stats select plain.tsv --columns 2");
-    write_text("plain.tsv", "1\t2\t5\n3\t4\t6\n");
+    write_text("plain.tsv", "1\t2\t5\n3\t4\t6\n"); /* columns without names have numbers */
     PRINTS("\n3\t1\n5\t1\n6\t3\n", "stats select plain.tsv --columns 3,1");
+    FAILS(65, "no column \"2nd\"", "stats select plain.tsv --columns 2nd");
     FAILS(65, "no column \"frob\"", "stats select a.tsv --where frob=1");
     FAILS(65, "no column \"B\" (did you mean \"b\"?); found: ", "stats select a.tsv --where B=1");
     FAILS(65, "NAME=VALUE expected", "stats select a.tsv --where frob");
@@ -946,7 +964,8 @@ static void test_stats_select(void)
     CHECK_NEAR(cell(&t, 0, "x_from"), 1e-8, 1e-20);
     CHECK_NEAR(cell(&t, 0, "x_to"), 1e-4, 1e-16);
     write_text("n.tsv", "# eps\te\n-1\t1\n2\t2\n");
-    FAILS(65, "eps = -1: out of range of this scale", "stats fit n.tsv -x eps -y e --scale log");
+    FAILS(65, "n.tsv:2: eps = -1: out of range of this scale", "stats fit n.tsv -x eps -y e --scale log");
+    FAILS(65, "n.tsv:2: eps = -1: out of range, allowed: (0, inf)", "stats fit n.tsv -x e -y e --se eps");
     FAILS(64, "give one of them", "stats fit p.tsv -x eps -y e --se e --scale log");
     /* no result is none for the shell too */
     write_text("n.tsv", "# x\ty\tz\n-1e308\t1\t5\n1e308\t2\t5\n1e308\t2\t5\n-1e308\t1\t5\n");

@@ -438,6 +438,7 @@ static void table_forms(void)
     CHECK_FAILS(rp_table_find(&t, "x", NULL, &column), RP_BAD_INPUT, "columns 1 and 3 are both \"x\"");
     CHECK_OK(rp_table_find(&t, "y", NULL, &column));
     CHECK_FAILS(read_as("x,y\n1,2\n3,,4\n", &t), RP_BAD_INPUT, ":3: an empty cell");
+    CHECK_FAILS(read_as("x\ty\tz\n1\t\t2 3\n", &t), RP_BAD_INPUT, ":2: an empty cell");
     CHECK_FAILS(read_as("x,y\n1,2\n5,\n", &t), RP_BAD_INPUT, ":3: 1 cells where 2 are expected");
     /* quotes around names and cells; a first column without a name is an index */
     static const char *const indexed[] = {"\"\",\"x\",\"say, y\"\n\"5\",\"1\",\"a, b\"\n6,2,c\n",

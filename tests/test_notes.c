@@ -214,6 +214,7 @@ static void test_idle_options(void)
         if (served > 1) fprintf(stderr, "pile %s %s: %d, %s", cases[k].serves, cases[k].option, served, err);
         CU_ASSERT(served == 0 || served == 1);
     }
+    PRINTS("\n# H_ratio: nan, the", "pile --base 1");
     GOOD("pile --base 4 --piles 1");
 }
 

@@ -560,6 +560,8 @@ static void wedge(void)
     const double mu = 0.37, phi = 0.97;
     stress_wedge(1.0, atan(mu * tan(phi) * tan(phi)), phi, &n, &h);
     CHECK_NEAR(h / n, mu, 1e-14);
+    stress_wedge(1.0, phi, phi, &n, &h); /* as steep as the rays: none leaves through the flank */
+    CU_ASSERT(isnan(n) && isnan(h));
 }
 
 CHECK_SUITE(stress, "stress", test_column, test_grids, test_floor, test_hydrostatic, test_triangle,

@@ -90,7 +90,7 @@ rp_status stats_correlate(size_t n, const double x[], const double y[], stats_co
     const double r = gsl_stats_correlation(x, 1, y, 1, n), least = fmin(of[0].sd, of[1].sd);
     if (isnan(r) || least < SMALL || fmax(of[0].sd, of[1].sd) > 1.0 / SMALL)
         return rp_fail(RP_NO_RESULT, "no correlation: a column whose values are all equal, or overflow");
-    c->value = r;
+    c->value = fmax(-1.0, fmin(1.0, r)); /* round-off of values on a line */
     c->se = (1.0 - c->value * c->value) / sqrt(m - 1.0);
     const double z = atanh(c->value), half = quantile / sqrt(m - 3.0);
     c->lo = tanh(z - half);

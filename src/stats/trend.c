@@ -128,9 +128,15 @@ static stats_contrast contrast_of(const sample *s, size_t first, size_t last, si
     return r;
 }
 
+/* Of values without any scatter, what is round-off alone (|x| and |y| are below 2 in their units) is 0. */
 static stats_contrast contrast(const sample *s)
 {
-    return contrast_of(s, 0, s->n_x - 1, 1);
+    stats_contrast r = contrast_of(s, 0, s->n_x - 1, 1);
+    double most = 0.0;
+    for (size_t j = 0; j < s->n_x; j++) most += fabs(s->c[j]);
+    most *= 1e-11 / (s->cells[s->n_x - 1].x - s->cells[0].x);
+    if (r.se == 0.0 && fabs(r.value) <= most) r.value = 0.0;
+    return r;
 }
 
 static void set_moments(sample *s)

@@ -95,6 +95,6 @@ rp_status stress_floor_forces(size_t n, const stress_pile piles[], double size, 
 void stress_wedge(double weight, double slope, double phi, double *n, double *h)
 {
     const double t = rp_tan(slope), k = rp_tan(phi) * rp_tan(phi);
-    *n = weight / (1.0 - t * t / k);
+    *n = t * t < k ? weight / (1.0 - t * t / k) : NAN;
     *h = t / k * *n;
 }

@@ -84,7 +84,7 @@ rp_status stress_floor_forces(size_t n, const stress_pile piles[], double size, 
 
 /* Forces that rays of inclination phi put on the floor of a wedge of this slope (Lee & Herrmann 1993, section
  * 6), where the column above weighs `weight`: n = weight/(1 - t^2/k) and h = n t/k, t = tan slope, k = tan^2
- * phi. Angles in rad. */
+ * phi. NaN for a slope of phi or more, where no ray leaves through the flank. Angles in rad. */
 void stress_wedge(double weight, double slope, double phi, double *n, double *h);
 
 /* ---- pressure on the base of piles, and whether it dips in the middle (dip.c) ---- */

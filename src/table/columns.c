@@ -72,6 +72,11 @@ rp_status rp_column_list(const rp_table *table, const char *names, size_t most, 
     return *n > 0 ? RP_OK : rp_fail(RP_BAD_INPUT, "\"%s\": a column expected", names);
 }
 
+rp_status rp_one_column(const char *option, const char *name)
+{
+    return strchr(name, ',') ? rp_fail(RP_USAGE, "%s = \"%s\": one column expected", option, name) : RP_OK;
+}
+
 rp_status rp_columns(rp_arena *arena, const rp_table *table, const char *names, size_t *n, int **columns)
 {
     *n = table->n_columns;
@@ -173,6 +178,9 @@ rp_status rp_rows_read(rp_arena *arena, const rp_table *t, const char *names, co
         for (size_t c = 0; c < k && !failed; c++)
             RP_TRY(rp_table_number(t, i, columns[c], true, &numbers[i * k + c]));
         if (is_left_out(choice, failed, k, numbers + i * k, r)) continue;
+        for (size_t c = choice->grouped; c < k; c++) /* the first names the group */
+            if (isinf(numbers[i * k + c]))
+                RP_TRY(rp_table_number(t, i, columns[c], false, &numbers[i * k + c]));
         const double key = choice->groups ? (double)choice->groups->of_row[i] : numbers[i * k];
         rank[r->n++] = (ranked){choice->groups || choice->grouped ? key : 0.0, i};
     }

@@ -161,7 +161,7 @@ static rp_status take_names(reading *r, char *line, char *row)
     rp_table *t = r->table;
     const char *blanks = blanks_of(line, r->texts);
     const size_t n = row ? count_cells(row, r->blanks) : t->n_columns, strict = count_cells(line, "\t\r");
-    r->lead = *line;
+    r->lead = line[strspn(line, " ")];
     if (n && count_cells(line, blanks) != n && strict > 1 && *line != '\t' &&
         (strict == n || (row && strict == count_cells(row, "\t\r"))))
         blanks = "\t\r";
@@ -184,11 +184,12 @@ static bool is_header(const reading *r, char *line, size_t n)
     return !older && !holds_number(line, r->blanks);
 }
 
-/* Between commas; tabs and blanks may be several. */
-static bool has_empty_cell(const char *line, const char *blanks, size_t n)
+/* Between commas; tabs and blanks may be several, but not tabs beside a cell that holds a blank. */
+static bool has_empty_cell(char *line, const char *blanks, size_t n)
 {
     size_t commas = 0;
     bool quoted = false;
+    if (*blanks == ' ') return (*line == '\t' || strstr(line, "\t\t")) && count_cells(line, "\t\r") != n;
     for (; *line; line++) {
         quoted ^= *line == '"';
         commas += *line == ',' && !quoted;
@@ -362,8 +363,11 @@ const char *rp_cell(const rp_table *table, size_t row, int column)
 
 int rp_table_column(const rp_table *table, const char *name)
 {
-    for (size_t i = 0; table->names && i < table->n_columns; i++) /* none after an error of reading */
-        if (table->names[i] ? strcmp(table->names[i], name) == 0 : (size_t)atol(name) == i + 1) return (int)i;
+    char number[24];
+    for (size_t i = 0; table->names && i < table->n_columns; i++) { /* none after an error of reading */
+        snprintf(number, sizeof number, "%zu", i + 1);
+        if (strcmp(table->names[i] ? table->names[i] : number, name) == 0) return (int)i;
+    }
     return -1;
 }
 
@@ -414,13 +418,11 @@ const char *rp_table_next_note(const rp_table *table, const char *key, const cha
 rp_status rp_table_number(const rp_table *table, size_t row, int column, int missing_ok, double *value)
 {
     const char *cell = rp_cell(table, row, column);
-    char *end;
     if (missing_ok && strcmp(cell, "infinite") == 0) {
         *value = INFINITY;
         return RP_OK;
     }
-    *value = strtod(cell, &end);
-    if (*end || (!isfinite(*value) && !missing_ok))
+    if (!rp_text_number(cell, value) || (!isfinite(*value) && !missing_ok)) /* "" is none */
         return rp_fail(RP_BAD_INPUT, "%s:%zu: column %d%s%s: \"%.40s\" is not a finite number",
                        RP_PLACE(table, row), column + 1, table->names[column] ? " " : "",
                        table->names[column] ? table->names[column] : "", cell);

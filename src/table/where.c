@@ -29,7 +29,7 @@ static bool is_equal(const char *cell, const char *value)
     if (strcmp(cell, value) == 0) return true;
     if (!rp_text_number(cell, &a)) return false;
     b = strtod(value, &end);
-    if (*end == ':' && end > value) return a >= b && a <= strtod(end + 1, NULL);
+    if (*end == ':' && end > value) return a >= b && a <= strtod(end + 1, &end) && !*end;
     const bool near = isfinite(b) && fabs(a - b) <= 1e-12 * fabs(b);
     return !*end && *value && (near || a == b || (isnan(a) && isnan(b)));
 }

@@ -247,7 +247,7 @@ static void compare_diagonals(sweep_solved *s, const double x[], double exact[],
         exact_slope += u * exact[k + i];
     }
     v->H_N_max_diagonals = sweep_outline_friction(k, exact, exact + k);
-    v->H_ratio = s->H_ratio = H_most / exact_most;
+    v->H_ratio = s->H_ratio = fabs(H_most / exact_most); /* no sign of 0/0 */
     v->thrust_ratio = thrust / exact_thrust;
     v->N_error_rms = s->N_error_rms = sqrt(squares / (double)k);
     v->N_error_max = s->N_error_max = most;

@@ -68,11 +68,12 @@ static const cli_command tilt = {
     "theta_R, and the tilt up to which the form is defined. form: balanced (rays fixed to gravity, forces "
     "balance), lattice (rays fixed to the pile, forces balance), sine ((4b) with sines for tangents), "
     "printed. status: ok; ok_pulling (found, but there one ray of the lattice form pulls); already_unstable "
-    "(margin negative, no theta_T); no_slide (no theta_T below the limit); rays_miss (theta_R >= phi, no "
-    "theory: exit status 1).",
+    "(margin negative, no theta_T); no_slide (no theta_T below the limit); rays_miss (else, where theta_R >= "
+    "phi: no theory, exit status 1).",
     "repose angle tilt --mu 0.2 --theta-r-deg 18 --form balanced",
     tilt_params,
-    .refuses = "theta_R >= phi, where no ray leaves through the flank: exit status 1.",
+    .refuses =
+        "theta_R >= phi, where no ray leaves through the flank, unless already_unstable: exit status 1.",
     .act = print_tilt};
 
 /* ---- group ---- */

@@ -1,5 +1,6 @@
 /* repose angle slope: the slope of a pile's surface. */
 #include <gsl/gsl_statistics_double.h>
+#include <strings.h>
 
 #include "angle/angle.h"
 #include "cli/cli.h"
@@ -29,12 +30,20 @@ static rp_status read_grains(rp_arena *arena, rp_table *t, const slope_options *
     const bool needs_r = o->height == ANG_TOP, useful = o->width > 0.0 && !(o->cell > 0.0);
     static char *first[] = {"x", "y", "r"};
     bool named = false;
-    for (size_t c = 0; c < N_OF(first); c++) named |= rp_table_column(t, first[c]) >= 0;
+    for (size_t c = 0; c < N_OF(first); c++) {
+        const bool exact = rp_table_column(t, first[c]) >= 0;
+        for (size_t i = 0; i < t->n_columns && !exact; i++)
+            if (t->names[i] && strcasecmp(t->names[i], first[c]) == 0) t->names[i] = first[c];
+        named |= rp_table_column(t, first[c]) >= 0;
+    }
     *with_r = needs_r || (useful && (named ? rp_table_column(t, "r") >= 0 : t->n_columns >= 3));
     const size_t n = *with_r ? 3 : 2;
     if (!named && t->n_columns < n)
         return rp_fail(RP_BAD_INPUT, "%s: %zu columns, at least %zu (%s) needed", t->path, t->n_columns, n,
                        *with_r ? "x y r" : "x y");
+    if (!named && t->names[0] && t->n_columns > 2)
+        fprintf(stderr, "repose angle slope: %s: no columns x, y: taken instead: %s, %s\n", t->path,
+                t->names[0], t->names[1]);
     for (size_t c = 0; !named && c < n; c++) t->names[c] = first[c];
     return rp_columns_read(arena, t, *with_r ? "x,y,r" : "x,y", block);
 }
@@ -165,11 +174,12 @@ const cli_command cmd_angle_slope = {
     "Slope of a pile's surface h(x), positive where it falls to the right, by the methods of Lee & Herrmann "
     "1993: 1 first to last cell, 2 straight line, 3 parabola through the running sum of h. The standard "
     "error is propagated from the scatter of h about its straight line. FILE (- for standard input): one row "
-    "a grain or a point of an outline, columns x y r by name, otherwise the first three; r is needed for "
-    "--height top only. For points in pixels, whose y is the row of a picture, give --y-axis down. The pile "
-    "is found wherever it is, on any ground. A point that lies below another by more than 57 degrees is "
-    "inside; n_cells points are left as the surface. A flank is what lies between the lowest and the highest "
-    "tenth of the surface, n_occupied points. Two flanks have their rows, ok_left and ok_right, and as "
+    "a grain or a point of an outline, columns x y r (or X Y R) by name, otherwise the first three; r is "
+    "needed for --height top only. For points in pixels, whose y is the row of a picture, give --y-axis "
+    "down. The pile is found wherever it is, on any ground. A point that lies below another by more than 57 "
+    "degrees is inside; n_cells points are left as the surface. A flank is what lies between the lowest and "
+    "the highest tenth of the surface, n_occupied points. Two flanks have their rows, ok_left and ok_right, "
+    "and as "
     "ok_mean the mean of their steepness. Otherwise: no_pile, and exit status 1. With --width the surface is "
     "that of a box, with its ground at y = 0: the highest grain of each cell. A cell is as wide as the mean "
     "diameter of the grains, or --cell. Fewer than 5 filled cells: no_pile; no more than half of the cells, "

@@ -23,7 +23,8 @@ static rp_status print_correlations(rp_arena *arena, const rp_table *table, cons
         stats_correlation c;
         status =
             stats_correlate(rows->first[g + 1] - first, rows->column[x] + first, rows->column[0] + first, &c);
-        if (status && c.n < 4) return status;
+        if (status && c.n < 4)
+            return rp_prefix(status, "%s%s", groups->words[g], *groups->words[g] ? ": " : "");
         *found = *found || !status;
         if (*groups->words[g]) printf("%s\t", groups->words[g]);
         const char *failed = rp_failed_text(arena, table, groups, g, NULL, NULL);
@@ -38,6 +39,7 @@ static rp_status correlation_of_table(cli_call *call, rp_table *table, const voi
     char *names = rp_text(call->arena, "%s,%s", o->y, o->x), *rest = names;
     rp_groups groups;
     rp_rows rows;
+    RP_TRY(rp_one_column("-y", o->y));
     RP_TRY(rp_group_rows(call->arena, table, o->by, '\t', &groups));
     RP_TRY(rp_rows_read(call->arena, table, names, &(rp_choice){.groups = &groups}, &rows));
     cli_table(call, stdout);

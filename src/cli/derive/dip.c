@@ -50,8 +50,14 @@ static rp_status dip_of_table(cli_call *call, rp_table *table, const void *value
     double rays[HALF];
     RP_TRY(rp_rows_read(call->arena, table, STRESS_DIP_BIN_LIST(BIN_NAME) "excess", &(rp_choice){0}, &piles));
     double *profiles = rp_arena_memory(call->arena, piles.n * STRESS_DIP_BINS, sizeof *profiles);
-    for (size_t i = 0; i < piles.n * STRESS_DIP_BINS; i++)
-        profiles[i] = piles.column[i % STRESS_DIP_BINS][i / STRESS_DIP_BINS];
+    for (size_t i = 0; i < piles.n; i++) {
+        double sum = 0.0;
+        for (int k = 0; k < STRESS_DIP_BINS; k++)
+            sum += profiles[i * STRESS_DIP_BINS + (size_t)k] = piles.column[k][i];
+        if (!(sum > 0.0))
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: n_01 to n_20: sum = %g: out of range, allowed: (0, inf)",
+                           RP_PLACE(table, piles.row[i]), sum);
+    }
     RP_TRY(read_rays(call->arena, table, rays));
     RP_TRY(rp_prefix(stress_dip_ensemble(piles.n, profiles, piles.column[STRESS_DIP_BINS], o->margin, &dips),
                      "%s: ", table->path));

@@ -18,13 +18,16 @@ enum { SCALE_LINEAR, SCALE_LOG };
 
 CLI_OPTIONS(fit, FIT_OPTIONS)
 
-static rp_status take_logarithms(const rp_table *t, size_t n, double v[], const char *name)
+/* Numbers of column c of the rows, all of which must be positive, or their logarithms. */
+static rp_status check_positive(const rp_table *t, const rp_rows *rows, int c, const char *name,
+                                bool logarithms)
 {
-    for (size_t i = 0; i < n; i++) {
+    double *v = rows->column[c];
+    for (size_t i = 0; i < rows->n; i++) {
         if (!(v[i] > 0.0))
-            return rp_fail(RP_BAD_INPUT, "%s: %s = %g: out of range of this scale, allowed: (0, inf)",
-                           t->path, name, v[i]);
-        v[i] = log(v[i]);
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: %s = %g: out of range%s, allowed: (0, inf)",
+                           RP_PLACE(t, rows->row[i]), name, v[i], logarithms ? " of this scale" : "");
+        if (logarithms) v[i] = log(v[i]);
     }
     return RP_OK;
 }
@@ -58,9 +61,13 @@ static rp_status fit_table(cli_call *call, rp_table *table, const void *values)
     rp_rows rows;
     if (logarithms && weighted)
         return rp_fail(RP_USAGE, "--scale log takes no --se: give one of them; see repose stats fit --help");
+    RP_TRY(rp_one_column("-x", o->x));
+    RP_TRY(rp_one_column("-y", o->y));
+    RP_TRY(rp_one_column("--se", o->se));
     const char *names =
         rp_text(call->arena, "%s,%s%s%s", o->x, o->y, weighted ? "," : "", weighted ? o->se : "");
     RP_TRY(rp_rows_read(call->arena, table, names, &choice, &rows));
+    if (weighted) RP_TRY(check_positive(table, &rows, 2, o->se, false));
     double *x = rows.column[0], *y = rows.column[1];
     double range[2];
     const char *failed = rp_failed_text(call->arena, table, NULL, 0, o->x, choice.range);
@@ -68,11 +75,10 @@ static rp_status fit_table(cli_call *call, rp_table *table, const void *values)
     rp_table_note(stdout, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", rows.n,
                   rows.n_nan, rows.n_outside);
     gsl_stats_minmax(&range[0], &range[1], x, 1, rows.n);
-    rp_status status = logarithms ? take_logarithms(table, rows.n, x, o->x) : RP_OK;
-    if (logarithms && !status) status = take_logarithms(table, rows.n, y, o->y);
+    if (logarithms) RP_TRY(check_positive(table, &rows, 0, o->x, true));
+    if (logarithms) RP_TRY(check_positive(table, &rows, 1, o->y, true));
     const stats_xy points = {rows.n, x, y, rows.column[2]};
-    if (!status) status = print_fit(call->arena, &points, logarithms, range, failed);
-    return rp_prefix(status, "%s: ", table->path);
+    return rp_prefix(print_fit(call->arena, &points, logarithms, range, failed), "%s: ", table->path);
 }
 
 const cli_command cmd_stats_fit = {

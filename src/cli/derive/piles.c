@@ -53,9 +53,10 @@ static rp_status find_floor(const char *prefix, const double *block, long asked,
         const bool there = fabs(c->y_b - y) <= NEAR * hypot(c->x - c->x_b, c->y - c->y_b);
         marked += p->floor[k] = block[k] == 0.0 && (asked < 1 ? there : block[p->n + k] == (double)asked);
     }
-    return marked
-               ? RP_OK
-               : rp_fail(RP_BAD_INPUT, "%s: no contact with a level floor: name its wall by --floor", prefix);
+    if (marked) return RP_OK;
+    if (asked > 0)
+        return rp_fail(RP_BAD_INPUT, "%s: --floor = %ld: no grain touches this wall", prefix, asked);
+    return rp_fail(RP_BAD_INPUT, "%s: no contact with a level floor: name its wall by --floor", prefix);
 }
 
 /* Where heights count from: the floor's lowest point; without one y = 0, or what contacts reach below. */
@@ -239,7 +240,8 @@ const cli_command cmd_stress_base = {
     "H: away from the left wall;\n"
     "weight: of the column above; through: vertical force through its sides; imbalance: N - weight -\n"
     "through; N_theory, H_theory: rays of inclination phi in a wedge of the mean slope by method 3, of\n"
-    "that weight. The floor is what touches grains at the height of level walls.",
+    "that weight, nan where this slope is phi or more. The floor is what touches grains at the height of "
+    "level walls.",
     "repose stress base pile --width 4",
     base_params,
     .refuses = "Tables of several steps: choose one by --where step=N.\n"

@@ -1,4 +1,5 @@
 /* repose stats trend, repose stats size: how a column of a table of runs depends on another. */
+#include <ctype.h>
 #include <string.h>
 
 #include "stats/stats.h"
@@ -51,13 +52,14 @@ static rp_status read_rows(rp_arena *arena, const rp_table *t, const trend_optio
 {
     const rp_choice choice = {.range = (double[]){o->from, o->to}, .groups = &r->groups};
     const char *names = rp_text(arena, "%s,%s%s", o->x, o->y, o->pair ? ",pile" : "");
+    RP_TRY(rp_one_column("-y", o->y)); /* one x was found */
     RP_TRY(rp_group_rows(arena, t, o->by, '\t', &r->groups));
     RP_TRY(rp_rows_read(arena, t, names, &choice, &r->of));
     for (size_t i = 0; i < r->of.n; i++) {
         double *x = &r->of.column[0][i];
-        if (o->scale != SCALE_LINEAR && !(*x > 0.0))
-            return rp_fail(RP_BAD_INPUT, "%s:%zu: %s = %g: out of range of this scale, allowed: (0, inf)",
-                           RP_PLACE(t, r->of.row[i]), o->x, *x);
+        if ((o->scale != SCALE_LINEAR || o->power != 0.0) && !(*x > 0.0))
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: %s = %g: out of range of this scale%s, allowed: (0, inf)",
+                           RP_PLACE(t, r->of.row[i]), o->x, *x, o->power != 0.0 ? " or --power" : "");
         *x = o->scale == SCALE_LOG ? log10(*x) : o->scale == SCALE_INVERSE ? 1.0 / *x : *x;
     }
     return RP_OK;
@@ -157,8 +159,9 @@ static rp_status number_words(rp_arena *arena, rp_table *t, const trend_options 
     RP_TRY(rp_group_rows(arena, t, o->x, ',', &known));
     for (size_t k = 0; k < known.n_groups; k++) {
         double number = 0.0;
-        const bool is_number =
-            rp_text_number(known.words[k], &number) || strcmp(known.words[k], "infinite") == 0;
+        const char *word = known.words[k];
+        const bool begins = isdigit((unsigned char)word[strspn(word, "+-.")]), /* 0,1 or 5 mm: an error */
+            is_number = begins || rp_text_number(word, &number) || strcmp(word, "infinite") == 0;
         if (is_number && !isnan(number)) return RP_OK;
     }
     for (size_t k = 0; k < known.n_groups; k++) {
@@ -225,7 +228,7 @@ const cli_command cmd_stats_trend = {
     trend_params,
     .refuses =
         "A number that is not positive with --scale log; more than ten different words in column x, or "
-        "words among numbers.\n"
+        "one that begins with a digit, or words among numbers.\n"
         "Too few x or rows for a line: exit status 1.",
     .derives = true,
     .on_table = trend_of_table};
@@ -234,7 +237,8 @@ const cli_command cmd_stats_size = {
     "stats size",
     "limit of infinite size, from a table of runs",
     "TABLE... -x COLUMN -y COLUMN [options]",
-    "Finite size: y = limit + c/x by least squares, one row a group; errors from the scatter at each x;\n"
+    "Finite size: y = limit + c/x by least squares, one row a group; errors from the scatter at each x,\n"
+    "or, if an x has one row only, from that about the line, taken as the same at all x;\n"
     "lo and hi are 95 % intervals (Student). p_value: of c, two-sided; p_holm: corrected for the number\n"
     "of groups; p_bend: of a term in 1/x^2, small where limit + c/x does not describe the means.\n"
     "status is ok, curved where p_bend < 0.05, or no_result.\n" TABLE_HELP,
