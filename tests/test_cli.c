@@ -83,6 +83,7 @@ static void test_wrong_usage(void)
 {
     static const failure list[] = {
         {64, "unknown command \"frob\"", "frob"},
+        {64, "t: stands twice", "stats fit a t t -x x -y y"},
         {64, "--json is of standard output", "sweep export d --json -o f.json"},
         {64, "unknown command \"frob\"", "angle frob"},
         {64, "--piles needs --disorder", "pile --base 9 --piles 2"},

@@ -176,6 +176,10 @@ static rp_status check_given(const cli_call *call)
         if (!call->options[i].fallback && !call->given[i])
             return rp_fail(RP_USAGE, "%s%s is required (%s); see %s %s --help", cli_dashes(&call->options[i]),
                            call->options[i].name, call->options[i].meaning, call->program->name, c->name);
+    for (int i = 1; i < call->n_arguments; i++) /* it would count twice */
+        for (int k = 0; k < i; k++)
+            if (strcmp(call->arguments[i], call->arguments[k]) == 0)
+                return rp_fail(RP_USAGE, "%s: stands twice", call->arguments[i]);
     if (count_fits(c->synopsis, call->n_arguments)) return RP_OK;
     rp_status status = rp_fail(RP_USAGE, "usage: %s %s %.*s; see %s %s --help", call->program->name, c->name,
                                (int)strcspn(c->synopsis, "\n"), c->synopsis, call->program->name, c->name);
