@@ -780,6 +780,9 @@ static void refused(void)
         {"walls = ( " FLOOR
          ", { point = [0.0, 0.0]; direction = [0.0, 1.0]; velocity = [9.0, 0.0]; } ); " ONE,
          "wall 1: lies on wall 2, a whole line"},
+        {"box_turn_deg_per_step = 10.0; walls = ( " FLOOR
+         " ); particles = ( { x = 3.0; y = 0.5; r = 0.1; } );",
+         "box_turn_deg_per_step = 10: moves a wall at the farthest grain by 0.53"},
         {"box_turn_deg_per_step = 0.01; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; omega = 1.0; "
          "} );" ONE,
          "wall 1: velocity or omega: not in a box that turns"},
