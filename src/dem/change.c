@@ -115,7 +115,7 @@ static rp_status renew(dem_sim **sim, const dem_definition *laws, const choice *
     RP_TRY(copy_grains(&arena, old, out, &def, ids));
     RP_TRY(copy_contacts(&arena, old, &def, ids));
     RP_TRY(copy_walls(&arena, old, &def));
-    def.radius_to_come = old->start.radius_mean;
+    def.radius_to_come = old->start.radius_mean, def.mass_to_come = old->start.mass_mean;
     dem_gravity(old, def.gravity);
     def.turn_per_step = old->def.turn_per_step, def.turn_from_step = old->def.turn_from_step;
     def.box_turn_per_step = 0.0;

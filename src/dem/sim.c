@@ -92,7 +92,8 @@ static void put_grains(dem_sim *sim, const dem_definition *def)
     sim->grains.n = def->n_grains;
     sim->grains.last_id = (uint32_t)def->n_grains;
     sim->r_min = INFINITY;
-    if (sim->grains.n == 0) sim->start.radius_mean = def->radius_to_come;
+    if (sim->grains.n == 0)
+        sim->start.radius_mean = def->radius_to_come, sim->start.mass_mean = def->mass_to_come;
     for (size_t i = 0; i < sim->grains.n; i++) {
         const dem_grain *p = &def->grains[i];
         put_grain(sim, i, p);
