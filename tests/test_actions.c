@@ -65,6 +65,18 @@ static void test_column(void)
     CHECK_NEAR(measured(&t, "area"), area, 1e-9);
 }
 
+/* Where none is, a grain has the restitution of the text, by its own mass. */
+static void test_first(void)
+{
+    RUN_TRIAL(t,
+              "dt = 5e-6; gravity = (0.0, 0.0); normal = { law = `linear`; k_n = 1e5; restitution = 0.5; };\n"
+              "walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); } ); phases = ( { name = `a`;\n"
+              "steps = 3000; add = { r = 0.1; density = 2.5; x = 0.0; y = 0.2; vy = -20.0; }; } );\n"
+              "measure = ( { name = `v`; of = `vy`; } );\n",
+              1000, "ok");
+    CHECK_NEAR(measured(&t, "v"), 10.0, 0.1); /* gamma_n dt/2 is 0.01 */
+}
+
 /* ---- laws ---- */
 
 static bool is_left(const void *none, uint32_t id, double x, double y)
@@ -610,7 +622,7 @@ static void test_longer(void)
     FAILS(65, "shake with 400 steps", "run f.cfg --set n=900 --from short");
 }
 
-CHECK_SUITE_WITHIN(actions, "actions", enter, leave, test_oscillator, test_column, test_laws_change,
-                   test_halt, test_halt_in_contact, test_friction_changes, test_added, test_touch,
-                   test_added_radii, test_base_order, test_fabric, test_back, test_cuts, test_keys,
-                   test_refused, test_ends, test_kept, test_longer, test_profile)
+CHECK_SUITE_WITHIN(actions, "actions", enter, leave, test_oscillator, test_column, test_first,
+                   test_laws_change, test_halt, test_halt_in_contact, test_friction_changes, test_added,
+                   test_touch, test_added_radii, test_base_order, test_fabric, test_back, test_cuts,
+                   test_keys, test_refused, test_ends, test_kept, test_longer, test_profile)

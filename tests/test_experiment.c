@@ -1216,6 +1216,11 @@ static void test_refused_more(void)
     static const trial_change ends[] = {
         /* known to the run alone */
         {lift, "`v`", "`v*(1e5 + y)`", "too_fast"},
+        {"walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); }, { name = `belt`; polygon = ((-1.0, "
+         "0.0), (1.0, "
+         "0.0)); closed = false; } ); particles = ( { x = 0.5; y = 0.1; r = 0.1; } );\n"
+         "phases = ( { name = `a`; steps = 9; walls = { belt = { velocity = (1.0, 1.0); }; }; } );\n",
+         "(1.0, 1.0)", "(1.0, 0.0)", "too_fast"},
         {lift, "`v`", "`sqrt(-y) > 1 ? 1 : v`", "no_number"},
         {lift, "every = 10;", "x_max = -9.0; every = 10;", "outside"},
         {lift, "measure = ( {",

@@ -700,9 +700,9 @@ static void lower_ends(void)
     for (int k = 0; k < 6; k++) {
         scoped_scene s = {0};
         CHECK_OK(grains_read_as(&s,
-                                "walls = ( { %s open_at_step = 1; open_speed = 5.0; } );\n"
+                                "walls = ( { %s %s open_speed = 5.0; } );\n"
                                 "particles = ( { x = 0.0; y = 6.0; r = 0.1; } );\n",
-                                gates[k]));
+                                gates[k], k % 4 ? "open_at_step = 1;" : "/* in a phase */"));
         const dem_wall *w = &s.def.walls[0];
         CHECK_NEAR(w->point[1] - w->extent[0] * w->direction[0], 0.0, 1e-12);
         CU_ASSERT(w->point[1] - w->extent[1] * w->direction[0] >= (k == 5 ? 0.0 : 10.0));
@@ -773,6 +773,12 @@ static void refused(void)
         {"walls = ( { point = [-2.0, 0.5]; direction = [1.0, 0.0]; extent = [0.0, 1.0]; k_n = 7e5; },\n"
          "{ point = [-2.0, 0.0]; direction = [1.0, 0.0]; } ); " ONE,
          "wall 1: lies on wall 2, a whole line"},
+        {"walls = ( " FLOOR
+         ", { polygon = ( [0.0, 0.0], [5.0, 0.0] ); closed = false; velocity = [9.0, 0.0]; } ); " ONE,
+         "wall 2: lies on wall 1, a whole line"},
+        {"box_turn_deg_per_step = 10.0; walls = ( " FLOOR
+         " ); particles = ( { x = 3.0; y = 0.5; r = 0.1; } );",
+         "box_turn_deg_per_step = 10: moves a wall at the farthest grain by 0.53"},
         {"box_turn_deg_per_step = 0.01; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; omega = 1.0; "
          "} );" ONE,
          "wall 1: velocity or omega: not in a box that turns"},

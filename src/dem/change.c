@@ -115,7 +115,7 @@ static rp_status renew(dem_sim **sim, const dem_definition *laws, const choice *
     RP_TRY(copy_grains(&arena, old, out, &def, ids));
     RP_TRY(copy_contacts(&arena, old, &def, ids));
     RP_TRY(copy_walls(&arena, old, &def));
-    def.radius_to_come = old->start.radius_mean;
+    def.radius_to_come = old->start.radius_mean, def.mass_to_come = old->start.mass_mean;
     dem_gravity(old, def.gravity);
     def.turn_per_step = old->def.turn_per_step, def.turn_from_step = old->def.turn_from_step;
     def.box_turn_per_step = 0.0;
@@ -197,6 +197,14 @@ rp_status dem_wall_move(dem_sim *sim, size_t w, const double velocity[2], double
         next.point[c] = line->point[c], next.direction[c] = line->direction[c],
         next.pivot[c] = line->pivot[c];
     RP_TRY(rp_prefix(check_motion(sim, w, &next, &way), "wall %zu: ", w + 1));
+    for (size_t k = 0; k < sim->def.n_walls; k++) {
+        if (!dem_wall_is_line(wall) && !dem_wall_is_line(&sim->walls.wall[k])) continue;
+        dem_wall other = sim->walls.wall[k];
+        memcpy(other.point, &sim->walls.line[k].point, sizeof other.point);
+        memcpy(other.direction, &sim->walls.line[k].direction, sizeof other.direction);
+        RP_TRY(dem_hidden_check(w, &next, k, &other));
+        RP_TRY(dem_hidden_check(k, &other, w, &next));
+    }
     dem_wall_go_on(sim, w, &next, way);
     return RP_OK;
 }

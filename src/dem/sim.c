@@ -92,7 +92,8 @@ static void put_grains(dem_sim *sim, const dem_definition *def)
     sim->grains.n = def->n_grains;
     sim->grains.last_id = (uint32_t)def->n_grains;
     sim->r_min = INFINITY;
-    if (sim->grains.n == 0) sim->start.radius_mean = def->radius_to_come;
+    if (sim->grains.n == 0)
+        sim->start.radius_mean = def->radius_to_come, sim->start.mass_mean = def->mass_to_come;
     for (size_t i = 0; i < sim->grains.n; i++) {
         const dem_grain *p = &def->grains[i];
         put_grain(sim, i, p);
@@ -117,10 +118,10 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     sim->pairs.rolling = dem_has_rolling(def);
     sim->pairs.chunk = CHUNK;
     dem_gravity_start(sim);
-    RP_TRY(dem_walls_place(sim, def));
     dem_loops_choose(sim);
     RP_TRY(dem_grains_reserve(sim, def->n_grains, false, &sim->grains));
     put_grains(sim, def);
+    RP_TRY(dem_walls_place(sim, def));
     sim->list.skin = def->skin > 0.0 ? def->skin : 0.4 * sim->start.radius_mean;
     sim->list.even_margins = def->skin > 0.0 || sim->scheme->even_margins;
     sim->list.most_tests = MOST_TESTS;

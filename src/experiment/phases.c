@@ -75,7 +75,7 @@ static rp_status fill(exp_run *run, dem_scene *scene)
     size_t i = scene->grains ? scene->def.n_grains : 0;
     RP_SCOPE(arena);
     RP_NEW(&arena, scene->ends, scene->n_fills);
-    if (plan->adds) scene->def.radius_to_come = 0.5 * plan->d;
+    if (plan->adds) scene->def.radius_to_come = 0.5 * plan->d, scene->def.mass_to_come = plan->m;
     RP_TRY(dem_scene_start(scene, &run->sim));
     if (!exp_make_ids(run, dem_count(run->sim) + 1)) return run->failed;
     for (size_t k = 0; k < scene->n_fills; k++) {

@@ -105,8 +105,16 @@ void dem_wall_go_on(dem_sim *sim, size_t w, const dem_wall *next, double way)
 
 rp_status dem_box_turn(dem_sim *sim, double radians_per_step)
 {
-    double sine, cosine;
+    double sine, cosine, far = 0.0;
     RP_TRY(rp_check_range("turn of the box", radians_per_step, -1.0, 1.0, "[-1, 1]"));
+    for (size_t i = 0; i < sim->grains.n; i++)
+        far = fmax(far, sqrt(dem_dot(sim->grains.motion[i].x, sim->grains.motion[i].x)));
+    if (fabs(radians_per_step) * far > sim->r_min)
+        return rp_fail(
+            RP_BAD_INPUT,
+            "box_turn_deg_per_step = %g: moves a wall at the farthest grain by %g in one step, the "
+            "smallest radius is %g",
+            radians_per_step * (180.0 / M_PI), fabs(radians_per_step) * far, sim->r_min);
     dem_sine_cosine(radians_per_step, &sine, &cosine);
     for (size_t w = 0; w < sim->def.n_walls && radians_per_step != 0.0; w++)
         if (dem_wall_moves(&sim->walls.wall[w]))

@@ -197,7 +197,8 @@ rp_status dem_fill_place(const dem_fill *fill, dem_grain *grains)
     return place_all(fill, &s, &c, places, grains);
 }
 
-/* From left to right, each on y0 and touching the last: (r + r')^2 = dx^2 + (r - r')^2. */
+/* From left to right, each on y0 and touching the last, or a larger one before: (r + r')^2 = dx^2 +
+ * (r - r')^2. */
 static size_t place_row(const dem_fill *f, gsl_rng *radii, size_t most, dem_grain *grains)
 {
     double r = dem_radius_draw(f, radii), x = r;
@@ -205,7 +206,11 @@ static size_t place_row(const dem_fill *f, gsl_rng *radii, size_t most, dem_grai
     while (n < most && x + r <= f->W * (1.0 + 1e-12)) {
         if (in_corners(f, f->x0 + x, f->y0 + r)) grains[n++] = grain_of(f, f->x0 + x, f->y0 + r, r);
         const double next = dem_radius_draw(f, radii);
-        x += f->spacing > 0.0 ? f->spacing : 2.0 * sqrt(r * next);
+        x = fmax(next, x + (f->spacing > 0.0 ? f->spacing : 2.0 * sqrt(r * next)));
+        for (const dem_grain *g = grains + n; !(f->spacing > 0.0) && g-- > grains;) {
+            if (g->x - f->x0 + 2.0 * sqrt(dem_radius_most(f) * next) <= x) break;
+            x = fmax(x, g->x - f->x0 + 2.0 * (1.0 - 1e-12) * sqrt(g->r * next)); /* of the last to the bit */
+        }
         r = next;
     }
     return n;

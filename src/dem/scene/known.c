@@ -27,7 +27,7 @@ static rp_status mean_grain(const dem_text *text, const char *keys, dem_scene *s
     const config_setting_t *list = member(root, "particles"), *add = dem_first_add(member(root, "phases")),
                            *fill;
     dem_grain grain = {0};
-    dem_fill radii;
+    dem_fill radii = {0};
     *r = 0.0;
     RP_TRY(rp_config_peek(root, SCHEMA(TOP), keys, scene));
     RP_TRY(rp_config_peek(root, SCHEMA(TOP), "particles_file particles_step", scene));
@@ -41,12 +41,13 @@ static rp_status mean_grain(const dem_text *text, const char *keys, dem_scene *s
             *r += scene->grains[i].r / (double)scene->def.n_grains;
     } else if (!fill && !list && add && member(add, "r")) {
         RP_TRY(rp_config_peek(add, SCHEMA(PARTICLES), "r", &grain));
+        if (rp_config_peek(add, SCHEMA(FILL), "density", &radii)) radii.density = 0.0; /* the run's */
         *r = grain.r;
     } else if (fill || (!list && add)) {
         RP_TRY(dem_peek_radii(&scene->arena, fill ? fill : add, &radii));
         *r = dem_radius_mean(&radii);
-        if (radii.density > 0.0) scene->laws.physics.density = radii.density;
     }
+    if (radii.density > 0.0) scene->laws.physics.density = radii.density;
     for (size_t i = 0; !fill && i < length(list); i++, grain.r = 0.0) {
         RP_TRY(rp_config_peek(element(list, i), SCHEMA(PARTICLES), "r", &grain));
         *r += grain.r / (double)length(list);

@@ -12,9 +12,9 @@ static rp_status add_wall(const dem_wall_entry *entry, dem_wall wall, dem_scene 
 {
     dem_definition *def = &scene->def;
     const size_t n = def->n_walls++;
-    /* of a segment that opens, the lower end in space is the upper along its tangent: turn it round; a level
-     * one opens from its first end */
-    if (wall.open_at_step >= 0 && isfinite(wall.open_speed) && wall.direction[0] > 0.0) {
+    /* of a segment that opens, here or in a phase, the lower end in space is the upper along its tangent:
+     * turn it round; a level one opens from its first end */
+    if (isfinite(wall.open_speed) && wall.direction[0] > 0.0 && !dem_wall_is_line(&wall)) {
         memcpy(wall.extent, (double[]){-wall.extent[1], -wall.extent[0]}, sizeof wall.extent);
         for (int c = 0; c < 2; c++) wall.direction[c] = -wall.direction[c];
     }

@@ -67,18 +67,31 @@ rp_status dem_motion_check(const dem_definition *def, const dem_wall *wall)
     return RP_OK;
 }
 
-/* Would wall a never act, because it lies on the whole line b and has other coefficients, or is this line
- * once more? */
+/* Would wall a never act, because it stays on the whole line b and has other coefficients or another
+ * velocity, or is this line once more? */
 static bool is_hidden(const dem_wall *a, const dem_wall *b)
 {
-    const double d[] = {a->point[0] - b->point[0], a->point[1] - b->point[1]}, *n = a->direction,
+    const double d[] = {a->point[0] - b->point[0], a->point[1] - b->point[1]},
+                 v[] = {a->velocity[0] - b->velocity[0], a->velocity[1] - b->velocity[1]}, *n = a->direction,
                  *m = b->direction;
-    if (!dem_wall_is_line(b) || b->open_at_step >= 0 || dem_wall_moves(a) || dem_wall_moves(b)) return false;
+    if (!dem_wall_is_line(b) || b->open_at_step >= 0 || a->omega != 0.0 || b->omega != 0.0) return false;
     if (fabs(n[0] * m[1] - n[1] * m[0]) > 1e-9 ||
-        fabs(d[0] * m[0] + d[1] * m[1]) > 1e-9 * rp_hypot(d[0], d[1]))
+        fabs(d[0] * m[0] + d[1] * m[1]) > 1e-9 * rp_hypot(d[0], d[1]) ||
+        fabs(v[0] * m[0] + v[1] * m[1]) > 1e-9 * rp_hypot(v[0], v[1]))
         return false;
-    return dem_wall_is_line(a) ? n[0] * m[0] + n[1] * m[1] > 0.0
-                               : memcmp(&a->material, &b->material, sizeof a->material) != 0;
+    return dem_wall_is_line(a)
+               ? n[0] * m[0] + n[1] * m[1] > 0.0
+               : v[0] != 0.0 || v[1] != 0.0 || memcmp(&a->material, &b->material, sizeof a->material) != 0;
+}
+
+rp_status dem_hidden_check(size_t k, const dem_wall *a, size_t j, const dem_wall *b)
+{
+    if (k == j || !is_hidden(a, b)) return RP_OK;
+    return rp_fail(
+        RP_BAD_INPUT,
+        "wall %zu: lies on wall %zu, a whole line, and would never act: cut the line into segments, "
+        "or leave one out",
+        k + 1, j + 1);
 }
 
 static rp_status check_walls(const dem_definition *def)
@@ -91,12 +104,7 @@ static rp_status check_walls(const dem_definition *def)
         RP_TRY(rp_prefix(status, "wall %zu: ", k + 1));
     }
     for (size_t k = 0; k < def->n_walls; k++)
-        for (size_t j = 0; j < def->n_walls; j++)
-            if (j != k && is_hidden(&walls[k], &walls[j]))
-                return rp_fail(RP_BAD_INPUT,
-                               "wall %zu: lies on wall %zu, a whole line, and would never act: cut the line "
-                               "into segments, or leave one out",
-                               k + 1, j + 1);
+        for (size_t j = 0; j < def->n_walls; j++) RP_TRY(dem_hidden_check(k, &walls[k], j, &walls[j]));
     return RP_OK;
 }
 

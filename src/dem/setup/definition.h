@@ -11,6 +11,7 @@ rp_status dem_definition_check(const dem_definition *def);
 rp_status dem_laws_check(const dem_definition *def);
 rp_status dem_wall_check(const dem_wall *wall);
 rp_status dem_motion_check(const dem_definition *def, const dem_wall *wall);
+rp_status dem_hidden_check(size_t k, const dem_wall *a, size_t j, const dem_wall *b);
 rp_status dem_way_check(double way, double r_min);
 rp_status dem_grain_check(const dem_definition *def, const dem_grain *grain);
 rp_status dem_scheme_check(const dem_definition *def);

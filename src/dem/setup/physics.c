@@ -123,7 +123,7 @@ rp_status dem_physics_resolve(dem_definition *def)
     dem_wall *walls = own_walls(def);
     if (!walls) return rp_fail(RP_NO_MEMORY, "%zu walls: out of memory", def->n_walls);
     if (def->wall_list) def->wall_list = walls;
-    double mass = 0.0;
+    double mass = def->n_grains > 0 ? 0.0 : def->mass_to_come;
     for (size_t i = 0; i < def->n_grains; i++) mass += def->grains[i].m / (double)def->n_grains;
     RP_TRY(find_damping(def, 0.5 * mass, &def->material));
     complete(def, &def->material);
