@@ -1425,10 +1425,9 @@ static void test_derivations(void)
     }
     /* every derivation of the lists; the suite `tables` tests those of measured angles and of traces */
     const cli_command *const *const groups[] = {cmd_stats.group, cmd_stress.group, cmd_angle.group};
-    static const char others[] = " compare phi field base ";
     for (size_t g = 0; g < 3; g++)
         for (const cli_command *const *c = groups[g]; *c; c++) {
-            bool tested = !(*c)->derives || strstr(others, cli_own_name(*c));
+            bool tested = !(*c)->derives || strstr(" compare field base ", cli_own_name(*c));
             for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
                 tested |= strcmp(cases[k].with, cli_own_name(*c)) == 0;
             CHECK_OR_SAY(tested, "%s: no case", (*c)->name);

@@ -2,6 +2,7 @@
  * is parsed and then ignored fails here, and so does a new option without a line below. */
 #include <jansson.h>
 
+#include "cli/cli.h"
 #include "tests/program.h"
 
 /* A command on the fixtures, and options to add, each by itself. */
@@ -195,8 +196,7 @@ static void write_fixtures(void)
 /* Run a command; those of `report` have its name before their own. */
 static int run_command(const char *command, const char *words)
 {
-    const size_t n = strlen("report ");
-    return strncmp(command, "report ", n) == 0 ? run_report("%s %s", command + n, words)
+    return strncmp(command, "report ", 7) == 0 ? run_report("%s %s", command + 7, words)
                                                : run("%s %s", command, words);
 }
 
@@ -219,8 +219,7 @@ static char *rows_of(const char *command, const char *base, const char *change)
 /* The rows without the columns that count runs without a result. */
 static void drop_failed(char *rows)
 {
-    static const char name[] = "n_failed\t";
-    const char *end = strchr(rows, '\n'), *at = strstr(rows, name);
+    const char *end = strchr(rows, '\n'), *at = strstr(rows, "n_failed\t");
     size_t column = 0, k = 0;
     if (!at || !end || at > end) return;
     for (const char *c = rows; c < at; c++) column += *c == '\t';
@@ -290,12 +289,11 @@ static bool same_value(const char *cell, const json_t *value)
 static void check_json(const char *command, const char *base)
 {
     static char keep[sizeof out];
-    const char *words = check_text("%s --json", base);
     const int status = run_command(command, base);
     memcpy(keep, out, sizeof out);
     scoped_table t = {0};
     CU_ASSERT_EQUAL_FATAL(rp_table_parse("table", strdup(keep), &t), RP_OK);
-    CU_ASSERT_EQUAL(run_command(command, words), status);
+    CU_ASSERT_EQUAL(run_command(command, check_text("%s --json", base)), status);
     json_t *all = json_loads(out, JSON_REJECT_DUPLICATES, NULL), *rows = json_object_get(all, "rows");
     bool same = all && json_array_size(rows) == t.n_rows &&
                 json_string_value(json_object_get(json_object_get(all, "notes"), "program"));
@@ -355,6 +353,9 @@ static void test_options(void)
         check_line(i);
         if (i == 0 || strcmp(lines[i].command, lines[i - 1].command) != 0) check_covered(lines[i].command);
     }
+    const cli_command *const *const groups[] = {cmd_stats.group, cmd_stress.group, cmd_angle.group};
+    for (size_t g = 0; g < 3; g++)
+        for (const cli_command *const *c = groups[g]; *c; c++) check_covered((*c)->name);
 }
 
 /* ---- rows without a result ---- */

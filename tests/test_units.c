@@ -20,9 +20,9 @@ static double to(units u, double value, double l, double m, double t)
 
 static void scale_material(units u, const dem_definition *def, dem_material *c)
 {
-    const dem_normal_law law = def->normal;
+    const char *power = strchr(dem_normal_descriptors[def->normal].k_n_unit, '^'); /* "dyn/cm^1.5" */
     const bool mindlin = def->tangential == DEM_MINDLIN;
-    c->k_n = to(u, c->k_n, law == DEM_LINEAR ? 0.0 : law == DEM_ELASTIC ? -1.0 : -0.5, 1.0, -2.0);
+    c->k_n = to(u, c->k_n, power ? 1.0 - atof(power + 1) : 0.0, 1.0, -2.0);
     if (dem_damps_by_rate(def)) c->gamma_n = to(u, c->gamma_n, 0.0, 0.0, -1.0);
     c->k_s = to(u, c->k_s, mindlin ? -1.0 : 0.0, 1.0, -2.0);
     if (!mindlin) c->gamma_s = to(u, c->gamma_s, 0.0, 0.0, -1.0);

@@ -135,11 +135,11 @@ typedef struct {
     double restitution_speed; /* at which the restitution of a law without a damping ratio holds; INFINITY:
                                  none */
     bool tension;             /* true: the damped normal force may pull, as (2a) is printed */
-    bool rotation;   /* else the grains only translate, and no mu_roll may be above 0; not with Gear */
+    bool rotation;   /* else the grains only translate, and no mu_roll may be above 0; of some methods */
     dem_shape shape; /* gives the moments of inertia */
     dem_material material;
     dem_ground ground;            /* not with the tangential law DEM_SPRING */
-    dem_hard hard;                /* needs DEM_VERLET and no tension */
+    dem_hard hard;                /* of some methods; without tension */
     dem_implicit_solver implicit; /* DEM_IMPLICIT needs whole lines at rest as walls; no rotation;
                                      not the tangential law DEM_SPRING */
     double x_min, x_max, y_min;   /* in the box's frame: a grain beyond is taken out; infinite for none */

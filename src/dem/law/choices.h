@@ -3,11 +3,11 @@
 #ifndef DEM_CHOICES_H
 #define DEM_CHOICES_H
 
-#define DEM_ID(id, ...)               id,
-#define DEM_ONE(...)                  +1
-#define DEM_WORD(id, word, ...)       " | " #word
-#define DEM_MANUAL(id, word, ...)     DEM_MANUAL_FIRST(__VA_ARGS__, )
-#define DEM_MANUAL_FIRST(manual, ...) manual,
+#define DEM_ID(id, ...)           id,
+#define DEM_ONE(...)              +1
+#define DEM_WORD(id, word, ...)   " | " #word
+#define DEM_MANUAL(id, word, ...) DEM_FIRST(__VA_ARGS__, ),
+#define DEM_FIRST(first, ...)     first
 
 /* For the schemas of params.h: "hertz | linear", and the manuals of the words. */
 #define DEM_WORDS(LIST)   (&(LIST(DEM_WORD))[3])

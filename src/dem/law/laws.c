@@ -4,10 +4,9 @@
 #include "dem/law/law.h"
 
 const dem_normal_descriptor dem_normal_descriptors[DEM_NORMAL_N] = {
-#define X(id, word, manual, spring, dashpot, scaled, k_n, gamma_n, ...)                                      \
+#define X(id, word, manual, spring, dashpot, scaled, k_n, ...)                                               \
     [id] = {.name = #word,                                                                                   \
             .k_n_unit = k_n,                                                                                 \
-            .gamma_n_unit = gamma_n,                                                                         \
             .scale = scaled##_k_n,                                                                           \
             .stiffness = spring##_stiffness,                                                                 \
             .potential = spring##_potential,                                                                 \
@@ -16,7 +15,7 @@ const dem_normal_descriptor dem_normal_descriptors[DEM_NORMAL_N] = {
             .quotient = spring##_quotient,                                                                   \
             .mean_rate = dashpot##_mean_rate,                                                                \
             .damping_rate = dashpot##_rate,                                                                  \
-            __VA_ARGS__},
+            .gamma_n_unit = __VA_ARGS__},
     DEM_NORMAL_LAWS(X)
 #undef X
 };

@@ -100,10 +100,11 @@ static inline bool dem_has_spring(dem_tangential_law law)
 }
 
 /* Units of a coefficient, "; hertz: dyn/cm^1.5; linear: dyn/cm". */
-#define DEM_LAW_K_N(id, word, manual, spring, dashpot, scale, k_n, ...)              "; " #word ": " k_n
-#define DEM_LAW_GAMMA_N(id, word, manual, spring, dashpot, scale, k_n, gamma_n, ...) "; " #word ": " gamma_n
-#define DEM_K_N_UNITS                                                                "" DEM_NORMAL_LAWS(DEM_LAW_K_N)
-#define DEM_GAMMA_N_UNITS                                                            "" DEM_NORMAL_LAWS(DEM_LAW_GAMMA_N)
+#define DEM_LAW_K_N(id, word, manual, spring, dashpot, scale, k_n, ...) "; " #word ": " k_n
+#define DEM_LAW_GAMMA_N(id, word, manual, spring, dashpot, scale, k_n, ...)                                  \
+    "; " #word ": " DEM_FIRST(__VA_ARGS__, )
+#define DEM_K_N_UNITS     "" DEM_NORMAL_LAWS(DEM_LAW_K_N)
+#define DEM_GAMMA_N_UNITS "" DEM_NORMAL_LAWS(DEM_LAW_GAMMA_N)
 
 /* A normal law, for all but its force. m_eff is the contact's effective mass, v an approach speed. */
 typedef struct {

@@ -4,7 +4,7 @@
  *
  * A row is X(kind, type, name, KEY, UNIT, DEFAULT, RANGE, ALSO, AUTOMATIC, WALL, MEANING):
  *   kind       MATERIAL: a member of dem_material, and a key of every wall of a scene;
- *              SCENE: a member of dem_definition; GRAIN: of what makes grains
+ *              SCENE: a member of dem_definition; GRAIN, FILL: of what makes grains
  *   name       of the member, and the key in protocols
  *   KEY        in its group of a scene file
  *   ALSO       spellings that the range allows too

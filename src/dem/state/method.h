@@ -30,7 +30,7 @@ typedef struct dem_scheme {
     int order[2];      /* of the error where forces are smooth: without damping, with it */
     bool rotation;     /* can rotate grains */
     bool hard;         /* has hard collisions */
-    bool excess;       /* keeps excess displacements, which shear springs need; see grains.h */
+    bool excess;       /* keeps excess displacements, which shear springs but mindlin take; see grains.h */
     bool derivatives;  /* keeps further derivatives of the positions */
     bool solves;       /* solves each step for its displacements, as `implicit` of the definition says */
     bool runs_ahead;   /* grains may go on before the forces on all the others are there: parts for threads */
