@@ -74,7 +74,8 @@ static void test_help(void)
         CU_ASSERT_PTR_NOT_NULL(strstr(out, (*c)->name));
     GOOD("--version");
     CU_ASSERT(strncmp(out, "repose ", 7) == 0);
-    CU_ASSERT(run("%s", "") == RP_USAGE && out[0] == '\0' && strstr(err, "usage: repose COMMAND"));
+    CU_ASSERT(run("%s", "") == RP_USAGE && out[0] == '\0' && strstr(err, "usage: repose COMMAND") &&
+              !strstr(err, "\nrepose: "));
 }
 
 /* ---- bad input ---- */

@@ -285,6 +285,7 @@ static void test_failed_cells(void)
         {"no cause", "s/moved g=4 change", "0", "1 of 9 (cause not stored)"},
         {"columns", "s/new g=2 change", "0",
          "3 of 10 (no_pile 3): the flattest piles are left out, theta_R is too large"},
+        {"without n", "s/less g=1 change", "0", "2 of 2 (overlap 2)"},
         {"two columns", "s/new g=2 change", "s/new g=1 change", "5 of 20 (no_pile 4, overlap 1)"}};
     const char *text = CLAIMS;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
@@ -305,6 +306,8 @@ static void test_failed_cells(void)
     write_text("s/new.tsv",
                "# source: s D 30\n# units: 1\t1\t1\t1\t1\t1\ng\tn\tchange\tchange_se\tn_failed\tfailed_for\n"
                "1\t8\t3\t1\t2\tno_pile:1,overlap:1\n2\t7\t3\t1\t3\tno_pile:3\n");
+    write_text("s/less.tsv",
+               "# source: s D 30\ng\tchange\tchange_se\tn_failed\tfailed_for\n1\t3\t1\t2\toverlap:2\n");
     REPORTS("claims --claims claims.tsv --tables .");
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
         CHECK_CELLS({cases[k][0], "failed", cases[k][3]});
@@ -533,7 +536,7 @@ static void test_joint_choices(void)
                 20.0 + 0.5 * k + 0.25 * mu + slip + 0.125 * wall, 10 + k + wall, k * wall);
     }
     fclose(points);
-    write_text("claims.tsv", "# at lh: slip=7 mu=4\n" HEADER
+    write_text("claims.tsv", "# at lh: mu=4 slip=7\n" HEADER
                              "one\t-\tlh\t-\ts\tagrees\t20\t0.75\t-\t9\t-\tt k=1 mu=5 a\t-\tx\t-\n"
                              "two\t-\tlh\t-\ts\tagrees\t20\t0.75\t-\t9\t-\tt k=2 a\t-\tx\t-\n" ROW(
                                  "both", "joint", "-", "-", "one two", "-"));

@@ -50,7 +50,7 @@ suites_of() {
     src/core/sparse.c) echo sparse property piles equilibrium midpoint implicit ;;
     src/statics/*) echo property piles equilibrium ;;
     src/dem/scene/fill.c | src/dem/scene/radii.c) echo fills scene golden experiment ;;
-    src/dem/scene/output.c) echo core tables scene keys evidence sweep cli ;;
+    src/dem/scene/output.c) echo core tables scene keys evidence sweep cli dem ;;
     src/dem/scene/*) echo walls scene material fills tables keys notes cli ;;
     src/dem/setup/physics.c | src/dem/setup/check.c) echo scene dem laws walls keys units hard motion soft tables sweep ;;
     src/core/* | src/params/* | src/table/table.c) echo core tables scene keys evidence sweep cli ;;
