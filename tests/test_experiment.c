@@ -214,14 +214,14 @@ static void test_surface_and_motion(void)
 {
     static const char text[] =
         "dt = 1.0e-4; gravity = [0.0, 0.0];\n"
-        "particles = ( { x = 1.0; y = -2.0; vx = 10.0; vy = 10.0; r = 0.5; },\n"
-        "  { x = 3.0; y = -2.0; vx = 50.0; vy = -10.0; r = 0.5; },\n"
-        "  { x = 1.0; y = 0.0; vx = 10.0; vy = -10.0; r = 0.5; },\n"
-        "  { x = 3.0; y = 0.0; vx = 50.0; vy = 10.0; r = 0.5; },\n"
+        "particles = ( { x = -4.0; y = -2.0; vx = 10.0; vy = 10.0; r = 0.5; },\n"
+        "  { x = -2.0; y = -2.0; vx = 50.0; vy = -10.0; r = 0.5; },\n"
+        "  { x = -4.0; y = 0.0; vx = 10.0; vy = -10.0; r = 0.5; },\n"
+        "  { x = -2.0; y = 0.0; vx = 50.0; vy = 10.0; r = 0.5; },\n"
         "  { x = 10.5; y = -0.5; r = 0.5; }, { x = 11.5; y = -1.0; r = 0.5; },\n"
         "  { x = 12.5; y = -1.5; r = 0.5; }, { x = 13.5; y = -2.0; r = 0.5; },\n"
         "  { x = 14.5; y = -2.5; r = 0.5; } );\n"
-        "regions = { four = { x = (0.0, 4.0); y = (-3.0, 9.0); }; stairs = { x = (10.0, 15.0); y = (-3.0, "
+        "regions = { four = { x = (-5.0, -1.0); y = (-3.0, 9.0); }; stairs = { x = (10.0, 15.0); y = (-3.0, "
         "9.0); }; };\n"
         "phases = ( { name = `move`; steps = 100; } );\n"
         "measure = ( { name = `u`; of = `motion`; in = `four`; },\n"
@@ -1221,6 +1221,12 @@ static void test_refused_more(void)
          "0.0)); closed = false; } ); particles = ( { x = 0.5; y = 0.1; r = 0.1; } );\n"
          "phases = ( { name = `a`; steps = 9; walls = { belt = { velocity = (1.0, 1.0); }; }; } );\n",
          "(1.0, 1.0)", "(1.0, 0.0)", "too_fast"},
+        {"dt = 6e-5; walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); }, { name = `lid`; polygon = "
+         "((-1.0, 0.5), (-2.0, 0.5)); closed = false; } );\n"
+         "particles = ( { x = 0.0; y = 0.1; r = 0.1; } ); phases = ( { name = `come`; add = { r = 0.1; x = "
+         "3.0; y = 900.0; }; steps = 1; },\n"
+         "  { name = `move`; steps = 9; walls = { lid = { velocity = (`-400 - 0*y`, 0.0); }; }; } );\n",
+         "0.5)", "0.5)", "ok"},
         {lift, "`v`", "`sqrt(-y) > 1 ? 1 : v`", "no_number"},
         {lift, "every = 10;", "x_max = -9.0; every = 10;", "outside"},
         {lift, "measure = ( {",

@@ -146,7 +146,7 @@ double rp_hypot(double x, double y)
     if (isinf(x) || isinf(y)) return INFINITY;
     if (isnan(x) || isnan(y)) return NAN;
     if (a > 0x1p+511) return 0x1p+600 * rp_hypot(0x1p-600 * a, 0x1p-600 * b);
-    if (b <= a * 0x1p-54) return a + b;
+    if (b <= a * 0x1p-54) return a;
     if (b < 0x1p-459) return 0x1p-600 * rp_hypot(0x1p+600 * a, 0x1p+600 * b);
     const double h = sqrt(a * a + b * b), over_b = h - b, over_a = h - a;
     const double excess = h <= 2.0 * b
