@@ -123,12 +123,17 @@ static void test_patterns(void)
     CHECK_FAILS(dem_fill_grains(&f, grains, &n), RP_BAD_INPUT, "N = -1");
 }
 
-/* Written and read again, the scene has the same grains. */
+/* Written and read again, the scene has the same grains. Its text, which keys of runs are made of, has all
+ * rows of before radii had a law, and of the others those that are given. */
 static void check_reread(const dem_scene *s, size_t n, const dem_grain *grains)
 {
     scoped_scene back;
     scoped dem_grain *again = NULL;
     size_t m;
+    bool law = false;
+    for (size_t k = 0; k < s->n_fills; k++) law |= s->fills[k].law != DEM_RADII_GAUSS;
+    CHECK_WRITTEN(text, out, dem_scene_write(s, out));
+    CU_ASSERT(strstr(text, "radius_mean = ") && (strstr(text, "radius_law = ") != NULL) == law);
     grains_reread(s, &back);
     CHECK_OK(dem_scene_grains(&back, &again, &m));
     CU_ASSERT_FATAL(m == n);
