@@ -952,11 +952,10 @@ static void right_or_refused(void)
         soft_piles,      box_shapes,      run_scenes,      lines,     million};
     for (size_t k = 0; k < COUNT(kinds) - !check_full(); k++) kinds[k](); /* the last in full only */
     CU_ASSERT(n_cases >= 300);
-    check_table_close(table, "extreme");
+    check_table_close(&table);
     table = check_table("extreme_sums", "cases, right, refused, run_time [s]");
     if (table) fprintf(table, "%d\t%d\t%d\t%.3g\n", n_cases, n_right, n_refused, rp_clock() - start);
-    check_table_close(table, "extreme_sums");
-    table = NULL;
+    check_table_close(&table);
 }
 
 CHECK_SUITE_WITHIN(extreme, "validation: extreme cases", enter, leave, right_or_refused)

@@ -87,7 +87,7 @@ static void note_cheapest(FILE *out, const outcomes *o, const char *setting)
 static void write_outcomes(const outcomes *o, const char *name, const char *setting, const char *unit,
                            const char *error_unit)
 {
-    FILE *out = check_table(name, NULL);
+    CHECK_TABLE(out, name, NULL);
     if (!out) return;
     rp_table_note(out, "seconds",
                   "processor time, least of several (one run if 0.5 s or more); front: on the Pareto front");
@@ -97,7 +97,6 @@ static void write_outcomes(const outcomes *o, const char *name, const char *sett
     rp_table_header(out, columns);
     for (const outcome *r = o->row; r < o->row + o->n; r++)
         CHECK_ROW(out, r->method, r->setting, r->error, r->seconds, (double)o->front[r - o->row]);
-    check_table_close(out, name);
 }
 
 /* Over all settings, the error of a method decreases at least with its order. Phases of the first and last
