@@ -192,11 +192,10 @@ static void test_fingerprints(void)
         CHECK_OK((*p)->fingerprint(digits));
         n++;
         if (strcmp(digits, FINGERPRINT) != 0)
-            fprintf(
-                stderr,
-                "protocol %s: fingerprint %s, expected %s.\nIts stored runs are lost: if that is meant, put "
-                "the new one into %s.\n",
-                (*p)->name, digits, FINGERPRINT, __FILE__);
+            fprintf(stderr,
+                    "protocol %s: fingerprint %s, expected %s.\nIts stored runs are lost: if that is meant, "
+                    "put the new one into %s.\n",
+                    (*p)->name, digits, FINGERPRINT, __FILE__);
         CU_ASSERT_STRING_EQUAL(digits, FINGERPRINT);
     }
     CU_ASSERT(n == 1);

@@ -590,9 +590,8 @@ static void test_crash(void)
     CHECK_FAILS(sweep_digest(dir, toys, (char[33]){0}, &(size_t){0}), RP_NO_RESULT,
                 ": 3 of 10 runs were aborted");
     CU_ASSERT_STRING_EQUAL(c.words.of[0].word, "crashed");
-    CU_ASSERT(
-        sql_number("SELECT count(*) FROM runs WHERE status = 'crashed' AND run % 3 = 1 AND y_deg IS NULL"
-                   " AND message = 'worker ended by signal 6 (Aborted)'") == 3);
+    CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE status = 'crashed' AND run % 3 = 1 AND y_deg IS "
+                         "NULL AND message = 'worker ended by signal 6 (Aborted)'") == 3);
     /* a crash may be the machine's fault: only crashed runs are repeated */
     sql(KEEP " WHERE status <> 'crashed'");
     CHECK_FAILS(run(1), RP_NO_RESULT, "crashed 3");
@@ -949,8 +948,7 @@ static void test_further_output(void)
     CU_ASSERT(m.taken == 4 && c.stored == 6);
     CHECK_FAILS(sweep_prepare(file, dir, 0, toys, NULL, &c), RP_BAD_INPUT,
                 "its runs have the output further, which the text, or this version of the program, lacks; "
-                "plan in another "
-                "folder");
+                "plan in another folder");
     CHECK_OK(sweep_status(dir, later, &c)); /* and the refused plan changed nothing */
 }
 

@@ -132,9 +132,8 @@ static void any_number_of_workers(void)
     char base[FOLDER_PATH], digests[3][33];
     folder_make("chaos", base);
     const char *file = folder_path(base, "s.cfg");
-    file_print(
-        file, "protocol = \"repose\"; replicas = 4; seed = 7; fixed = { W = 1.0; H = 1.0; fill_steps = 2000; "
-              "stop = \"steps\"; relax_steps = 2000; }; grid = { mu = [0.1, 0.3]; };");
+    file_print(file, "protocol = \"repose\"; replicas = 4; seed = 7; fixed = { W = 1.0; H = 1.0; fill_steps "
+                     "= 2000; stop = \"steps\"; relax_steps = 2000; }; grid = { mu = [0.1, 0.3]; };");
     for (int k = 0; k < 3; k++) {
         const char *dir = folder_path(base, (const char *[]){"0", "1", "2"}[k]);
         sweep_counts counts;

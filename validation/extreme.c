@@ -897,14 +897,13 @@ static void run_scenes(void)
                      f++) {
                     PARAMETERS("%s, %s, gamma_n = %g, mu = %s", dem_normal_descriptors[law].name,
                                dem_schemes[scheme]->name, gamma, frictions[f]);
-                    write_text(
-                        "s.cfg",
-                        "integrator = \"%s\"; dt = 1.0e-14; steps = 20; normal = { law = \"%s\"; k_n = "
-                        "100.0; gamma_n = %.17e; }; tangential = { law = \"%s\"; mu = %s; }; walls = ( { "
-                        "point = [0.0, 0.0]; direction = [0.0, 1.0]; } ); particles = ( { x = 0.0; y = "
-                        "0.25; r = 0.1; vy = -1.0; } );",
-                        dem_schemes[scheme]->name, dem_normal_descriptors[law].name, gamma,
-                        scheme == DEM_IMPLICIT ? "none" : "spring", frictions[f]);
+                    write_text("s.cfg",
+                               "integrator = \"%s\"; dt = 1.0e-14; steps = 20; normal = { law = \"%s\"; k_n "
+                               "= 100.0; gamma_n = %.17e; }; tangential = { law = \"%s\"; mu = %s; }; walls "
+                               "= ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } ); particles = ( { x = "
+                               "0.0; y = 0.25; r = 0.1; vy = -1.0; } );",
+                               dem_schemes[scheme]->name, dem_normal_descriptors[law].name, gamma,
+                               scheme == DEM_IMPLICIT ? "none" : "spring", frictions[f]);
                     const int status = PROGRAM("%s", "run s.cfg");
                     scoped_table t = read_table("out");
                     const double vy = cell(&t, t.n_rows - 1, "vy");

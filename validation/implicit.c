@@ -210,8 +210,7 @@ static void contraction(void)
     static const double steps[] = {10.0, 100.0}, factors[] = {0.5, 0.7, 0.9, 1.0, 1.3, 1.9};
     const double loose = 1e-6, tight = 1e-12;
     CHECK_TABLE(out, "implicit_contraction",
-                "disks, dt [contact times], relaxation, sweeps [a step], "
-                "left [a sweep], theory [a sweep]");
+                "disks, dt [contact times], relaxation, sweeps [a step], left [a sweep], theory [a sweep]");
     for (long n = 2; n <= CHAIN; n *= 4)
         for (int k = 0; k < (check_fast() ? 1 : 2); k++)
             for (int f = 0; f < 6; f++) {

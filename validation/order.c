@@ -343,9 +343,8 @@ static void orders(void)
     if (check_fast()) return; /* numbers of code that other tests run under sanitizers */
     CHECK_TABLE(table, "order", "steps, dt [s], velocity_error, position_error, integration, case");
     CHECK_TABLE(summary, "order_fits",
-                "velocity_order, velocity_order_se, position_order, position_order_se, "
-                "integration_order, integration_order_se, steps, velocity_error, "
-                "position_error, integration, case");
+                "velocity_order, velocity_order_se, position_order, position_order_se, integration_order, "
+                "integration_order_se, steps, velocity_error, position_error, integration, case");
     for (const law *p = laws; p < laws + N_LAWS; p++) {
         fit fits[N_ERRORS];
         for (int i = 0; i < DEM_INTEGRATORS; i++) {
