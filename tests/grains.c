@@ -3,7 +3,6 @@
 
 #include <stddef.h>
 
-#include "core/arena.h"
 #include "dem/state/state.h"
 #include "tests/folder.h"
 

@@ -2,7 +2,6 @@
 #include <float.h>
 
 #include "dem/setup/definition.h"
-#include "dem/state/method.h"
 #include "dem/methods/methods.h"
 #include "tests/grains.h"
 
@@ -530,8 +529,7 @@ static size_t sliding_of_sums(const dem_sim *sim)
         const double dx = c[k].x - c[k].x_b, dy = c[k].y - c[k].y_b, d = hypot(dx, dy);
         const double fx = (c[k].normal_force * dx + c[k].shear_force * dy) / d,
                      fy = (c[k].normal_force * dy - c[k].shear_force * dx) / d;
-        const bool wall = c[k].id_b == 0;
-        const double arm_a = wall ? d : s[c[k].id_a - 1].r - 0.5 * c[k].overlap;
+        const double arm_a = c[k].id_b == 0 ? d : s[c[k].id_a - 1].r - 0.5 * c[k].overlap;
         double *a = sums[c[k].id_a], *b = sums[c[k].id_b];
         a[0] += fx, a[1] += fy, a[2] += arm_a * c[k].shear_force + c[k].rolling_torque;
         b[0] -= fx, b[1] -= fy, b[2] += (d - arm_a) * c[k].shear_force - c[k].rolling_torque;

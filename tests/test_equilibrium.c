@@ -5,7 +5,6 @@
 
 #include "analytic/analytic.h"
 #include "statics/bonds.h"
-#include "statics/equilibrium.h"
 #include "sweeps/protocols/pile.h"
 #include "tests/grains.h"
 #include "tests/numbers.h"
@@ -142,8 +141,7 @@ static void test_three_disks(void)
     def.k_x = 0.385;
     CHECK_OK(solve(&h, def));
     for (size_t i = 0; i < 2; i++) {
-        const double side = i ? 1 : -1;
-        CHECK_PAIRS(ROUNDING, {h.N[i], 1.5}, {h.H[i], side * THREE_H});
+        CHECK_PAIRS(ROUNDING, {h.N[i], 1.5}, {h.H[i], (i ? 1 : -1) * THREE_H});
     }
     /* disks 0 (left), 1 (top), 2 (right): the contact force 1/sqrt 3 is the overlap along the diagonal */
     CHECK_PAIRS(ROUNDING, {h.u[0], -THREE_H / 0.385}, {h.u[1], -1.5});
@@ -1045,8 +1043,7 @@ static void check_half_pile(double unit)
         CU_ASSERT_FATAL(parents[i].a < n_half && parents[i].b < n_half);
         const statics_disk *p = &half[parents[i].a], *q = &half[parents[i].b];
         CHECK_PAIRS(round_off, {p->x + q->x, h.disks[i].x}, {p->y + q->y - unit, h.disks[i].y - unit / 2});
-        const double apart = hypot(p->x - q->x, p->y - q->y);
-        CHECK_NEAR(apart, parents[i].a == parents[i].b ? 0 : unit, round_off);
+        CHECK_NEAR(hypot(p->x - q->x, p->y - q->y), parents[i].a == parents[i].b ? 0 : unit, round_off);
     }
     free(half);
     for (int way = 0; way < 8; way++) {

@@ -7,7 +7,6 @@
 
 #include "dem/scene/text.h"
 #include "report/verdict.h"
-#include "sweeps/engine/experiment.h"
 #include "sweeps/engine/private.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/program.h"

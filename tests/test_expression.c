@@ -275,8 +275,7 @@ static void test_random(void)
         rp_expression e;
         double states[400] = {0.0};
         write_random(&arena, &text, true, 1 + k % 3);
-        const size_t length = strlen(text);
-        text[below((int)length)] = "()+-*/^<>=!?:,.'09aeW \x80&"[below(25)];
+        text[below((int)strlen(text))] = "()+-*/^<>=!?:,.'09aeW \x80&"[below(25)];
         if (rp_expression_read(&arena, text, &inside, &e) == RP_OK) rp_expression_value(&e, &now, states);
     }
 }

@@ -6,11 +6,9 @@
 #include "params/expression.h"
 #include "params/units.h"
 #include "core/version.h"
-#include "dem/scene/scene.h"
 #include "experiment/experiment.h"
 #include "report/pages.h"
 #include "sweeps/engine/experiment.h"
-#include "dem/scene/text.h"
 #include "tests/program.h"
 
 /* ---- a text line by line ---- */

@@ -351,9 +351,8 @@ static void restitution_of_walls(void)
         dem_material given = dem_material_auto;
         if (choice == 1) given.restitution = 0.7;
         if (choice == 2) given.gamma_n = 123.0;
-        const dem_material wall = dem_wall_material(&given, &def.material);
         grains_on_floor(&def, 1, &grain);
-        def.walls[0].material = wall;
+        def.walls[0].material = dem_wall_material(&given, &def.material);
         scoped_sim *sim = grains_start(&def);
         const dem_material *floor = &sim->def.walls[0].material, *grains = &sim->def.material;
         CHECK_NEAR(dem_restitution(true, law->damping_ratio(grains->k_n, grains->gamma_n, 0.002)), 0.4,

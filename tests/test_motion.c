@@ -1,7 +1,6 @@
 /* Motion of grains and walls: the Gear scheme, the rotating box, fixed grains, gravity set by a call. */
 #include "core/clock.h"
 #include "dem/setup/definition.h"
-#include "dem/state/method.h"
 #include "dem/state/state.h"
 #include "tests/grains.h"
 

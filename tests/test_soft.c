@@ -1,6 +1,5 @@
 /* Soft particles on a ground, and how hard collisions become soft contacts: against closed forms. Lengths in
  * diameters, masses in those of a disk, g = 1. */
-#include "dem/law/bodies.h"
 #include "dem/law/law.h"
 #include "tests/grains.h"
 
@@ -135,8 +134,7 @@ static void energy_of_well(void)
         def.ground.set = DEM_WELL_TOUCH;
         scoped_sim *sim = grains_start(&def);
         const double before = grains_energy(sim), error = pow(omega * def.dt, 2.0);
-        const long period = lround(2.0 * M_PI / (omega * def.dt));
-        for (long step = 1; step <= period; step++) {
+        for (long step = 1; step <= lround(2.0 * M_PI / (omega * def.dt)); step++) {
             CHECK_OK(dem_run(sim, 1));
             if (leaves) continue;
             const double t = (double)step * def.dt;
@@ -184,8 +182,7 @@ static void slip_is_viscous_then_capped(void)
     dem_definition def = on_ground(&grain, 1);
     def.ground.wall = 0, def.material.mu = def.walls[0].material.mu = 10.0;
     scoped_sim *sim = grains_after(&def, 500);
-    const double fade = exp(-5.0);
-    CHECK_NEAR(grains_state_of_one(sim).vx / (0.7 * fade), 1.0,
+    CHECK_NEAR(grains_state_of_one(sim).vx / (0.7 * exp(-5.0)), 1.0,
                0.6 * 25.0 * def.dt); /* gamma^2 dt t/2, t = 1 */
     def.walls[0].material.mu = 0.1;
     grains_again(&sim, &def, 500);

@@ -105,8 +105,7 @@ static void test_column(void)
         /* the force through each height, averaged over the cell by a separate fine sum */
         double lo = j * grid.dy, mean = 0.0;
         for (int i = 0; i < N; i++) {
-            double part = fmin(c[i].y, lo + grid.dy) - fmax(c[i].y_b, lo);
-            mean += fmax(part, 0.0) * c[i].fy / grid.dy;
+            mean += fmax(fmin(c[i].y, lo + grid.dy) - fmax(c[i].y_b, lo), 0.0) * c[i].fy / grid.dy;
         }
         CHECK_NEAR(s[j].yy, mean / grid.dx, tight);
         CU_ASSERT(s[j].xx == 0.0 && s[j].xy == 0.0 && s[j].yx == 0.0);

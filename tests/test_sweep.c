@@ -14,9 +14,7 @@
 
 #include "core/clock.h"
 #include "core/file.h"
-#include "table/table.h"
 #include "core/version.h"
-#include "dem/scene/scene.h"
 #include "dem/scene/text.h"
 #include "sweeps/engine/keep.h"
 #include "sweeps/engine/private.h"
@@ -283,8 +281,7 @@ static rp_status put_row(const sweep_row *row)
 static double expected(double x, long k, unsigned long seed, unsigned long run_index)
 {
     scoped_rng *r = numbers_of(seed, run_index);
-    double u = gsl_rng_uniform(r);
-    return x + (double)k + u;
+    return x + (double)k + gsl_rng_uniform(r);
 }
 
 static void test_order(void)

@@ -1,10 +1,8 @@
 /* Tables that a run leaves: every column of every table against a second computation from other columns. A
  * column that no test reads fails, so that a new one needs its own check. */
-#include <gsl/gsl_multifit.h>
 
 #include "analytic/analytic.h"
 #include "core/random.h"
-#include "stats/stats.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/grains.h"
 #include "tests/numbers.h"

@@ -4,7 +4,6 @@
 #include "angle/angle.h"
 #include "core/clock.h"
 #include "dem/law/law.h"
-#include "dem/state/method.h"
 #include "dem/state/state.h"
 #include "tests/grains.h"
 #include "tests/program.h"

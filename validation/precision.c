@@ -283,8 +283,7 @@ static dem_collision_result impact_of(int law)
     dem_collision_result c = {1.0, NAN, NAN};
     const double m = 0.5 * M, k = laws[law].k_n, g = laws[law].gamma_n;
     if (laws[law].normal == DEM_LINEAR) {
-        const double w = sqrt(k / m - 0.25 * g * g);
-        c.time = M_PI / w;
+        c.time = M_PI / sqrt(k / m - 0.25 * g * g);
         c.restitution = exp(-0.5 * g * c.time);
     } else if (g == 0.0) {
         const double deepest = pow(1.25 * m * SPEED * SPEED / k, 0.4);

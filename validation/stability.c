@@ -16,7 +16,6 @@
 #include "core/clock.h"
 #include "table/table.h"
 #include "dem/law/law.h"
-#include "dem/state/method.h"
 #include "dem/state/state.h"
 #include "tests/grains.h"
 #include "tests/numbers.h"
