@@ -444,9 +444,8 @@ static void test_bench_fill(void)
         GOOD("bench --n %d --width %g --steps %d --repeat 1 --floor absorbs %s -o grains.tsv", N, width,
              STEPS, list[k].options);
         scoped_table t = read_table("out"), start = read_table("grains.tsv");
-        dem_state states[N];
         scoped_sim *sim = bench_sim(&list[k], N, width, &start);
-        CHECK_OK(dem_states(sim, states));
+        scoped dem_state *states = grains_states(sim);
         CU_ASSERT_EQUAL(start.n_rows, N);
         for (size_t i = 0; i < N; i++) {
             CHECK_EACH(cell(&start, i, NAME), 0.0, {"x", states[i].x}, {"angle", states[i].angle},
@@ -543,12 +542,11 @@ static void test_bench_sample(void)
     for (int k = check_fast(); k < 2; k++) {
         GOOD("bench --n %d --width %g --repeat 2 --state sample -o grains.tsv", numbers[k], widths[k]);
         scoped_table t = read_table("out"), end = read_table("grains.tsv");
-        dem_state states[120];
         scoped_sim *sim = bench_sim(&box, numbers[k], widths[k], NULL);
         CHECK_OK(dem_run(sim, 30000));
         dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
         CHECK_OK(dem_run(sim, 50000));
-        CHECK_OK(dem_states(sim, states));
+        scoped dem_state *states = grains_states(sim);
         const dem_counts counts = grains_counts(sim);
         const size_t left = dem_count(sim);
         CU_ASSERT_EQUAL_FATAL(end.n_rows, left);

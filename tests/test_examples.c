@@ -57,8 +57,7 @@ static void shear_box(void)
         shear += forces[0], normal -= forces[1];
     }
     CHECK_NEAR(shear / normal, 0.3, 0.005);
-    scoped dem_state *s = malloc(dem_count(sim) * sizeof *s);
-    CHECK_OK(dem_states(sim, s));
+    scoped dem_state *s = grains_states(sim);
     double weight = 0.0, v = 0.0;
     for (size_t i = 0; i < dem_count(sim); i++)
         weight += s[i].m * 981.0, v += s[i].vx / (double)dem_count(sim);

@@ -168,8 +168,7 @@ static void observed_force(void)
         grains_law(&def, law, 1.5e5, 500.0);
         scoped_sim *sim = grains_after(&def, 1);
         const dem_contact c = grains_only_contact(sim);
-        dem_state s[2];
-        CHECK_OK(dem_states(sim, s));
+        scoped dem_state *s = grains_states(sim);
         /* Verlet damps by the velocity of half a step before */
         const double m_eff = 0.002, v_n = s[1].vx - s[0].vx - 0.5 * def.dt * s[1].fx / m_eff,
                      law_force =

@@ -174,12 +174,11 @@ static void test_frictions(void)
 /* The box by a second way, to the steps at which the run has its pile, equal in every bit. */
 static void box_again(const sweep_result *result, double W, dem_sim **sim)
 {
-    dem_state states[256];
     const double steps[] = {output(result, "fill_steps_used"), output(result, "relax_steps_used")};
     protocol_box(W, W, 0, steps, sim);
     scoped_table t = read_table("t/pile_grains.tsv");
     CU_ASSERT_FATAL(dem_count(*sim) <= 256 && dem_count(*sim) == t.n_rows);
-    CHECK_OK(dem_states(*sim, states));
+    scoped dem_state *states = grains_states(*sim);
     for (size_t i = 0; i < t.n_rows; i++)
         CU_ASSERT(cell(&t, i, "x") == states[i].x && cell(&t, i, "y") == states[i].y);
 }
@@ -365,9 +364,8 @@ static void check_pile(const sweep_result *result, double W)
 static size_t moved(const dem_sim *sim, size_t n, const dem_state at[], double W, double angle, double reach,
                     int contacts, size_t *n_pile)
 {
-    dem_state now[256];
     size_t count = 0, j = 0;
-    CHECK_OK(dem_states(sim, now));
+    scoped dem_state *now = grains_states(sim);
     *n_pile = 0;
     for (size_t i = 0; i < n; i++) {
         if (!(at[i].x > 0.0 && at[i].x < W)) continue;
@@ -398,11 +396,10 @@ static void turn(dem_sim *sim, const tilting *t, double deg_per_step)
  * half degree tenfold and 1e-5 m g d. */
 static void onset(dem_sim *sim, const tilting *t, double *displacement, double *energy)
 {
-    dem_state at[256];
     const size_t n = dem_count(sim);
     const long from = dem_step(sim), every = lround(fmin(10.0, 0.01 / t->deg_per_step));
     double sway = 0.0;
-    CHECK_OK(dem_states(sim, at));
+    scoped dem_state *at = grains_states(sim);
     turn(sim, t, t->deg_per_step);
     *displacement = *energy = NAN;
     while (isnan(*displacement) || isnan(*energy)) {
@@ -425,10 +422,9 @@ static void onset(dem_sim *sim, const tilting *t, double *displacement, double *
 /* The last tenth of a degree before a grain with two contacts or more moves by 0.5 d, at rest after each. */
 static double static_onset(dem_sim *sim, const tilting *t)
 {
-    dem_state at[256];
     const size_t n = dem_count(sim);
     const double mg = dem_mass(DEM_SPHERE, 1.0, 0.1) * 981.0;
-    CHECK_OK(dem_states(sim, at));
+    scoped dem_state *at = grains_states(sim);
     for (int tenths = 1; tenths <= 600; tenths++) {
         turn(sim, t, t->deg_per_step);
         CHECK_OK(dem_run(sim, lround(0.1 / t->deg_per_step)));

@@ -107,8 +107,7 @@ static void well_of_the_start(void)
     scoped_sim *sim = grains_after(&def, 8000);
     const dem_contact held = grains_only_contact(sim);
     const dem_state s = grains_state_of_one(sim);
-    dem_energy energy;
-    dem_energies(sim, &energy);
+    const dem_energy energy = grains_energies(sim);
     const double well = 0.5 * MU_STATIC * held.normal_force / A * held.shear_spring * held.shear_spring;
     CHECK_NEAR(energy.elastic, 0.5 * K * held.overlap * held.overlap + well, 1e-15);
     CU_ASSERT(held.well == DEM_WELL_HOLDS && held.shear_spring > 0.3 * A);
@@ -475,8 +474,7 @@ static void fixed_stay_to_the_bit(void)
         def.n_walls = def.ground.wall = 0, def.kernel = kernel;
         def.hard = (dem_hard){true, 1.0, 0.0};
         scoped_sim *sim = grains_after(&def, 3);
-        dem_state states[N];
-        CHECK_OK(dem_states(sim, states));
+        scoped dem_state *states = grains_states(sim);
         for (int i = 0; i < N - 1; i++) CU_ASSERT(states[i].y == 0.0 && signbit(states[i].y));
         CU_ASSERT(states[N - 1].y < 0.0);
     }
@@ -520,8 +518,7 @@ static void touching_is_no_contact(void)
         dem_definition def = on_ground(grains, 2);
         def.kernel = kernel, def.gravity[1] = 0.0;
         scoped_sim *sim = grains_start(&def);
-        dem_state s[2];
-        CHECK_OK(dem_states(sim, s));
+        scoped dem_state *s = grains_states(sim);
         CU_ASSERT(s[0].contacts == 0 && s[0].fy == 0.0 && s[1].fy == 0.0);
     }
 }

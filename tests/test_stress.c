@@ -234,11 +234,10 @@ static void test_momentum(void)
     scoped_sim *sim = make_box();
     scoped stress_contact *c = NULL;
     const size_t n = read_contacts(sim, &c);
-    dem_state states[GRAINS];
     stress_tensor s[NX * NY];
     double total[2][2] = {{0.0}}, sum[2][2] = {{0.0}};
     CU_ASSERT_FATAL(dem_count(sim) == GRAINS);
-    CHECK_OK(dem_states(sim, states));
+    scoped dem_state *states = grains_states(sim);
     CHECK_OK(stress_cells(n, c, &grid, s));
     /* forces up to 1e3, positions up to 2, some 20 terms per cell */
     const double rounding = 1e-9;

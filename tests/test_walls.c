@@ -353,8 +353,7 @@ static void inside(void)
             "= 0.06;\n"
             "radius_min = 0.05; radius_max = 0.07; };\n",
             shapes[k]);
-        dem_state s[24];
-        CHECK_OK(dem_states(sim, s));
+        scoped dem_state *s = grains_states(sim);
         for (size_t i = 0; i < dem_count(sim); i++) {
             int crossings = 0; /* of a ray to the right with the sides */
             for (size_t w = 0; w < sim->def.n_walls; w++) {

@@ -272,8 +272,7 @@ static void start_overlaps(void)
                 const double m_eff = wall ? M : 0.5 * M, k = law == DEM_HERTZ ? 1.5e6 * sqrt(overlap) : 1e6;
                 def.dt = 0.01 / sqrt(k / m_eff);
                 grains_again(&sim, &def, 1000);
-                dem_energy e;
-                dem_energies(sim, &e);
+                const dem_energy e = grains_energies(sim);
                 number("initial overlap", e.kinetic, energy, energy, 1e-3);
             }
 }
@@ -453,9 +452,8 @@ static double most_energy(dem_sim *sim, long steps)
 {
     double most = 0.0;
     for (long part = 0; part < 50; part++) {
-        dem_energy e;
         if (dem_run(sim, steps / 50) != RP_OK) return NAN;
-        dem_energies(sim, &e);
+        const dem_energy e = grains_energies(sim);
         most = fmax(most, e.kinetic + e.elastic);
     }
     return most;
@@ -474,10 +472,9 @@ static double turn_box(dem_sim *sim, bool box, double angle, long resting)
 /* Mass of the grains, and their number inside the closed box. */
 static double mass_within(const dem_sim *sim, size_t *within)
 {
-    dem_state states[MANY];
     double mass = 0.0;
     *within = 0;
-    CHECK_OK(dem_states(sim, states));
+    scoped dem_state *states = grains_states(sim);
     for (size_t i = 0; i < dem_count(sim); i++) {
         double x = states[i].x, y = states[i].y;
         dem_box_frame(sim, &x, &y);
@@ -918,8 +915,7 @@ static void million(void)
 {
     const size_t n = 1000000;
     scoped dem_grain *grains = malloc(n * sizeof *grains);
-    scoped dem_state *states = malloc(n * sizeof *states);
-    CU_ASSERT_FATAL(grains && states);
+    CU_ASSERT_FATAL(grains != NULL);
     for (size_t i = 0; i < n; i++)
         grains[i] =
             (dem_grain){.x = 0.25 * (double)(i % 1000), .y = 0.25 * (double)(i / 1000), .r = 0.125, .m = M};
@@ -928,7 +924,7 @@ static void million(void)
     def.dt = step_limit(&def);
     PARAMETERS("1000 x 1000 grains");
     scoped_sim *sim = grains_after(&def, 20);
-    CHECK_OK(dem_states(sim, states));
+    scoped dem_state *states = grains_states(sim);
     const double t = dem_time(sim);
     double most = 0.0;
     for (size_t i = 0; i < n; i++)

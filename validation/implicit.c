@@ -261,8 +261,7 @@ static pile_difference compare(const solved_pile *pile, const dem_sim *sim)
     }
     CU_ASSERT_EQUAL(base, pile->k);
     for (size_t k = 0; k < pile->n * pile->n; k++) d.missing += force[k] > 1e-3;
-    scoped dem_state *states = calloc(pile->n, sizeof *states);
-    CHECK_OK(dem_states(sim, states));
+    scoped dem_state *states = grains_states(sim);
     for (size_t i = 0; i < pile->n; i++)
         d.position =
             fmax(d.position, hypot((states[i].x - pile->grains[i].x) / pile->eps - pile->u[2 * i],

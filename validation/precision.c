@@ -201,9 +201,8 @@ static double simulate(const motion *p, int integrator, long steps, double *seco
     const double start = rp_cpu_clock();
     scoped_sim *sim = grains_after(&def, steps);
     *seconds = rp_cpu_clock() - start;
-    scoped dem_state *s = calloc(n, sizeof *s);
     scoped double *y = calloc(4 * n, sizeof *y);
-    CHECK_OK(dem_states(sim, s));
+    scoped dem_state *s = grains_states(sim);
     for (size_t i = 0; i < n; i++) y[4 * i] = s[i].x, y[4 * i + 1] = s[i].y;
     return distance(p, y, p->answer);
 }

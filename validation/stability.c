@@ -486,10 +486,9 @@ static gas_run run_gas(const equation_solver *with, double depth, double times)
     dem_box_walls(&def, 1.51, &def.material);
     def.walls[def.n_walls++] = grains_line(0.0, 1.51, 0.0, -1.0, &def.material);
     scoped_sim *sim = grains_start(&def);
-    dem_energy before, after;
-    dem_energies(sim, &before);
+    const dem_energy before = grains_energies(sim);
     if (dem_run(sim, check_full() ? 300 : 40) == RP_OK) {
-        dem_energies(sim, &after);
+        const dem_energy after = grains_energies(sim);
         /* residual of the tolerance over 300 steps, of speeds that are small against a radius per step */
         CHECK_NEAR((after.kinetic + after.elastic) / before.kinetic, 1.0, 1e-6);
     } else {
@@ -569,15 +568,13 @@ static bool box_rests(int law, int scheme, double gamma, long stream, double tim
     *limit = dem_time_step_limit(&def, NULL);
     def.dt = *limit;
     scoped_sim *sim = grains_start(&def);
-    dem_energy e;
     dem_rest rest;
-    dem_energies(sim, &e);
-    const double most = e.gravity;
+    const double most = grains_energies(sim).gravity;
     sim->def.dt *= times;
     bool good = true;
     for (int part = 0; part < 40 && good; part++) {
         good = dem_run(sim, lround((gamma < 100.0 ? 0.1 : 0.05) / sim->def.dt)) == RP_OK;
-        dem_energies(sim, &e);
+        const dem_energy e = grains_energies(sim);
         good = good && e.kinetic + e.elastic + e.gravity <= most;
     }
     good = good && dem_rest_state(sim, 0.0, 2.0, &rest) == RP_OK && rest.n == N &&
