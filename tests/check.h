@@ -157,6 +157,9 @@ void check_pairs(const char *file, int line, const char *rows, double tolerance,
 /* A text, as of printf, that stays for 1023 further ones. */
 const char *check_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+/* The text with another part in place of the first `from`, as of check_text. */
+const char *check_changed(const char *text, const char *from, const char *to);
+
 /* |found - value| <= tolerance for each {name, value}, by its name; `found` is an expression of NAME, and the
  * tolerance one of NAMED_VALUE. */
 typedef struct {

@@ -296,9 +296,8 @@ static void test_where(void)
     CHECK_OK(exp_advance(two.run, 500));
     CHECK_PARTS(exp_where(one.run, text, sizeof text), "fill: energy = ", ", until held(energy < 1e-3, 3)");
     CU_ASSERT(strcmp(exp_where(two.run, text, sizeof text), "fall: step 500 of 2000") == 0);
-    scoped char *both = changed(hopper, "held(energy < 1e-3, 3)", "energy < 1e-3 and rest");
     scoped_trial three;
-    start(&three, both);
+    start(&three, check_changed(hopper, "held(energy < 1e-3, 3)", "energy < 1e-3 and rest"));
     CHECK_OK(exp_advance(three.run, 500));
     CHECK_PARTS(exp_where(three.run, text, sizeof text), ", rest = 0, until energy");
     CU_ASSERT(strstr(text, "energy = 0,") == NULL);
@@ -331,8 +330,7 @@ static void test_words(void)
         {hopper, "phases = (", "result = `D > 2 ? 'ok' : 'ok_narrow'`; phases = (", "ok_narrow"},
         {hopper, "take = `rate`", "when = `grains < 0`; optional = true; take = `rate`", "ok"}};
     check_ends(sizeof cases / sizeof *cases, cases);
-    scoped char *text = changed(hopper, "clogged = `rest`", "low = `sqrt(-height) < 5`");
-    RUN_TRIAL(t, text, 1000, "no_number");
+    RUN_TRIAL(t, check_changed(hopper, "clogged = `rest`", "low = `sqrt(-height) < 5`"), 1000, "no_number");
     CHECK_PARTS(exp_ended(t.run)->message, ": low \"sqrt(-height) < 5\" is nan; height = ");
 }
 
@@ -651,8 +649,7 @@ static void test_other_measures(void)
     write_trial("e.cfg", beds);
     GOOD("sweep make s.cfg -o first --quiet");
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        scoped char *text = changed(beds, cases[k].from, cases[k].to);
-        write_trial("e.cfg", text);
+        write_trial("e.cfg", check_changed(beds, cases[k].from, cases[k].to));
         CU_ASSERT(shell_line("rm -rf again new && cp -r first again && $REPOSE sweep plan s.cfg -o again | "
                              "grep -q ' %d already stored' && $REPOSE sweep run again -j 1 --quiet && "
                              "$REPOSE sweep plan s.cfg -o new && $REPOSE sweep run new -j 1 --quiet && [ "
@@ -774,8 +771,7 @@ static void test_sweeps_refused(void)
         {"experiment = \"seed.cfg\"; grid = { seed = [1.0, 2.0]; };",
          "seed: is a column that every sweep has"},
         {"replicas = 3;", "protocol or experiment: missing"}};
-    scoped char *text = changed(hopper, "mu = 0.2", "mu = 0.2; unused = 1.0");
-    write_trial("h.cfg", text);
+    write_trial("h.cfg", check_changed(hopper, "mu = 0.2", "mu = 0.2; unused = 1.0"));
     write_text("plain.cfg", "steps = 3; particles = ( { x = 0.0; y = 0.0; r = 0.1; } );\n");
     write_text("files.cfg", "particles_file = \"p.tsv\"; phases = ( { name = \"a\"; steps = 3; } );\n");
     write_text("p.tsv", "x\ty\tr\n0\t0\t0.1\n");
@@ -849,8 +845,7 @@ static void test_turned_walls(void)
         "  { name = `m`; of = `plate.torque`; }, { name = `fx`; of = `plate.fx`; }, { name = `fy`; of = "
         "`plate.fy`; } );\n";
     RUN_TRIAL(about, turned, 1000, "ok");
-    scoped char *origin = changed(turned, "(0.7, 0.4)", "(0.0, 0.0)");
-    RUN_TRIAL(other, origin, 1000, "ok");
+    RUN_TRIAL(other, check_changed(turned, "(0.7, 0.4)", "(0.0, 0.0)"), 1000, "ok");
     const double c = cos(20.0 * M_PI / 180.0), s = sin(20.0 * M_PI / 180.0), fx = measured(&about, "fx"),
                  fy = measured(&about, "fy"), x = 0.7 * c + 0.4 * s, y = 0.4 * c - 0.7 * s;
     CHECK_PAIRS(1e-12, {measured(&about, "px"), 0.7}, {measured(&about, "py"), 0.4},

@@ -292,14 +292,6 @@ static const char scene_text[] = "let = { D = { value = 1.6; unit = \"cm\"; rang
                                  "(\"-inf\", \"-wide\"); open_at_step = \"dt < 1 ? 7 : 8\"; } );\n"
                                  "fill = { N = \"N\"; W = \"wide\"; H = 16.0; };\n";
 
-/* With another part in place of the first `from`. */
-static const char *changed(const char *from, const char *to)
-{
-    const char *start = strstr(scene_text, from);
-    CU_ASSERT_PTR_NOT_NULL_FATAL(start);
-    return check_text("%.*s%s%s", (int)(start - scene_text), scene_text, to, start + strlen(from));
-}
-
 static void test_lets(void)
 {
     scoped_scene s, t;
@@ -342,7 +334,7 @@ static void test_lets_refused(void)
         {"mu = 0.2", "mu = [1, 2]", "let.mu: a number, true, false, a word or an expression expected"},
         {"let =", "lets =", "unknown key"}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
-        grains_refused(changed(cases[k][0], cases[k][1]), NULL, cases[k][2]);
+        grains_refused(check_changed(scene_text, cases[k][0], cases[k][1]), NULL, cases[k][2]);
     grains_refused(scene_text, &(rp_texts){1, {"D=7"}}, "let.D: D = 7: out of range");
 }
 
