@@ -16,6 +16,13 @@ const char *check_text(const char *format, ...)
     return *text;
 }
 
+const char *check_changed(const char *text, const char *from, const char *to)
+{
+    const char *at = strstr(text, from);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(at);
+    return check_text("%.*s%s%s", (int)(at - text), text, to, at + strlen(from));
+}
+
 bool check_near(const char *file, int line, const char *what, double a, double b, double tolerance)
 {
     const bool near = fabs(a - b) <= tolerance;

@@ -118,16 +118,18 @@ bool check_fast(void);
 /* True for `check --full`, where validation takes its full size. */
 bool check_full(void);
 
-/* A table of the suite that NAME begins with, for NAME chaos_fit DIR/chaos/fit.tsv, for chaos
- * DIR/chaos/chaos.tsv, with its provenance, to be finished by check_table_close; NULL unless `check --full -o
+/* The stream of a table of the suite that NAME begins with, for NAME chaos_fit DIR/chaos/fit.tsv, for chaos
+ * DIR/chaos/chaos.tsv, with its provenance, finished at the end of its scope; NULL unless `check --full -o
  * DIR`. Columns as of rp_table_header; NULL: notes come first. */
+#define CHECK_TABLE(out, name, columns)                                                                      \
+    __attribute__((cleanup(check_table_close))) FILE *out = check_table(name, columns)
 FILE *check_table(const char *name, const char *columns);
+void check_table_close(FILE **table);
 
 /* A row of the table, if there is one: numbers, and a last word, or NULL. */
 #define CHECK_ROW(table, word, ...)                                                                          \
     check_row(table, sizeof((double[]){__VA_ARGS__}) / sizeof(double), (double[]){__VA_ARGS__}, word)
 void check_row(FILE *table, size_t n, const double values[], const char *word);
-void check_table_close(FILE *table, const char *name);
 
 /* |a - b| <= tolerance; NaN fails. On failure the values are printed. */
 #define CHECK_NEAR(a, b, tolerance) CU_ASSERT(check_near(__FILE__, __LINE__, #a, a, b, tolerance))
@@ -154,6 +156,9 @@ void check_pairs(const char *file, int line, const char *rows, double tolerance,
 
 /* A text, as of printf, that stays for 1023 further ones. */
 const char *check_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* The text with another part in place of the first `from`, as of check_text. */
+const char *check_changed(const char *text, const char *from, const char *to);
 
 /* |found - value| <= tolerance for each {name, value}, by its name; `found` is an expression of NAME, and the
  * tolerance one of NAMED_VALUE. */

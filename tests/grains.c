@@ -3,7 +3,6 @@
 
 #include <stddef.h>
 
-#include "core/arena.h"
 #include "dem/state/state.h"
 #include "tests/folder.h"
 
@@ -42,6 +41,13 @@ void grains_run(dem_sim *sim, long steps, dem_state *states)
 {
     CHECK_OK(dem_run(sim, steps));
     CHECK_OK(dem_states(sim, states));
+}
+
+dem_state *grains_states(const dem_sim *sim)
+{
+    dem_state *states = calloc(dem_count(sim), sizeof *states);
+    CHECK_OK(dem_states(sim, states));
+    return states;
 }
 
 void grains_on_floor(dem_definition *def, size_t n, const dem_grain *grains)
@@ -225,10 +231,16 @@ void grains_wall_forces(const dem_sim *sim, double *forces)
         memcpy(&forces[2 * w], dem_wall_now(sim, w).force, 2 * sizeof *forces);
 }
 
+dem_energy grains_energies(const dem_sim *sim)
+{
+    dem_energy energy;
+    dem_energies(sim, &energy);
+    return energy;
+}
+
 double grains_energy(const dem_sim *sim)
 {
-    dem_energy e;
-    dem_energies(sim, &e);
+    const dem_energy e = grains_energies(sim);
     return e.kinetic + e.rotational + e.elastic + e.gravity;
 }
 

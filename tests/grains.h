@@ -69,17 +69,19 @@ dem_sim *grains_kept(dem_sim *sim);
     for (int kernel = first; kernel < DEM_KERNELS; kernel++)                                                 \
         if (dem_kernel_runs(kernel))
 
-/* Run without an error, and give the states then. */
+/* Run without an error, and give the states then; those now, to be freed. */
 void grains_run(dem_sim *sim, long steps, dem_state *states);
+dem_state *grains_states(const dem_sim *sim);
 
 /* The work done; the ledger, which it has; the contacts, to be freed. */
 dem_counts grains_counts(const dem_sim *sim);
 dem_ledger grains_ledger(const dem_sim *sim);
 dem_contact *grains_contacts(const dem_sim *sim, size_t *n);
 
-/* The contact, if any; the force on each wall; the total energy. */
+/* The contact, if any; the force on each wall; the energies, and their sum. */
 dem_contact grains_only_contact(const dem_sim *sim);
 void grains_wall_forces(const dem_sim *sim, double *forces);
+dem_energy grains_energies(const dem_sim *sim);
 double grains_energy(const dem_sim *sim);
 
 /* dem_scene_read of a text; a scoped_scene is freed at the end of its scope. */

@@ -101,25 +101,25 @@ bool check_word(const char **text, const char *between, char word[static 128])
     return length > 0;
 }
 
-static void table_path(const char *name, char path[static 512])
-{
-    const char *table = strchr(name, '_');
-    snprintf(path, 512, "%s/%.*s/%s.tsv", folder, (int)strcspn(name, "_"), name, table ? table + 1 : name);
-}
+/* The tables that are open. */
+static struct {
+    FILE *file;
+    char path[512];
+} opened[8];
 
 FILE *check_table(const char *name, const char *columns)
 {
-    FILE *out = NULL;
+    const char *table = strchr(name, '_');
+    const int suite = (int)strcspn(name, "_");
+    size_t i = 0;
     if (!full || !folder) return NULL;
-    char path[512];
-    table_path(name, path);
-    *strrchr(path, '/') = '\0';
-    CHECK_OK(rp_make_directory(path));
-    table_path(name, path);
-    CHECK_OK(rp_file_open(path, &out));
-    if (out) rp_table_provenance(out, "check --full");
-    if (out && columns) rp_table_header(out, columns);
-    return out;
+    while (opened[i].file) i++;
+    CHECK_OK(rp_make_directory(check_text("%s/%.*s", folder, suite, name)));
+    snprintf(opened[i].path, 512, "%s/%.*s/%s.tsv", folder, suite, name, table ? table + 1 : name);
+    CHECK_OK(rp_file_open(opened[i].path, &opened[i].file));
+    if (opened[i].file) rp_table_provenance(opened[i].file, "check --full");
+    if (opened[i].file && columns) rp_table_header(opened[i].file, columns);
+    return opened[i].file;
 }
 
 void check_row(FILE *table, size_t n, const double values[], const char *word)
@@ -128,12 +128,13 @@ void check_row(FILE *table, size_t n, const double values[], const char *word)
     if (table && !word) rp_table_row(table, n, values);
 }
 
-void check_table_close(FILE *table, const char *name)
+void check_table_close(FILE **table)
 {
-    if (!table) return;
-    char path[512];
-    table_path(name, path);
-    CHECK_OK(rp_file_close(path, table, rp_file_finish(table, path)));
+    size_t i = 0;
+    if (!*table) return;
+    while (opened[i].file != *table) i++;
+    CHECK_OK(rp_file_close(opened[i].path, *table, rp_file_finish(*table, opened[i].path)));
+    *table = opened[i].file = NULL;
 }
 
 typedef struct {

@@ -158,8 +158,7 @@ static void cut_rule(void)
         for (long j = 0; j < K; j++) {
             double x = 2 * sin(theta) * ((double)s + 0.5 * (double)j), h = (double)j * cos(theta);
             double right = 2 * sin(theta) * (K - 1) - x;
-            bool inside = fmin(x, right) >= h / tan(alpha) - 1e-12;
-            CU_ASSERT_EQUAL(j < up[s], inside);
+            CU_ASSERT_EQUAL(j < up[s], fmin(x, right) >= h / tan(alpha) - 1e-12);
         }
 }
 

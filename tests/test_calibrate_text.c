@@ -102,8 +102,7 @@ static void test_table(void)
     CHECK_NEAR(found("a", "se"), hypot(hypot(0.02, 0.01), 0.006) / 3.0, 0.001);
     /* of two names one that nothing asks, of a wide range */
     SHELL("awk 'NR == 1 { print \"a\\tb\\ty\" } NR > 1 { print $1 \"\\t\" 1000*((NR % 3) - 1) \"\\t\" $2 }' "
-          "t.tsv >wide.tsv "
-          "&& sed 's/};/b = [-1000.0, 1000.0]; };/; s/t[.]tsv/wide.tsv/' fit.cfg >wide.cfg");
+          "t.tsv >wide.tsv && sed 's/};/b = [-1000.0, 1000.0]; };/; s/t[.]tsv/wide.tsv/' fit.cfg >wide.cfg");
     FAILS(1, "determined is a", "calibrate wide.cfg");
     /* an angle beside the number is no setting; what takes two values at each point is */
     SHELL("awk -v OFS='\t' '{ print $0, NR == 1 ? \"z\" : $2 + 1, NR == 1 ? \"replica\" : NR % 2 }' t.tsv >u "
@@ -118,10 +117,8 @@ static void test_folder(void)
 {
     SHELL(": >out; : >err; mkdir -p 'a b' && echo mine >'a b/mine.txt'");
     write_text("a b/slide.cfg", "%s", slide);
-    write_text(
-        "a b/fit.cfg",
-        "fit = { mu = [0.05, 0.45]; };\nmeasured = ( { experiment = \"slide.cfg\"; of = \"v\"; value = "
-        "12.05; error = 0.3; fixed = { T = 0.05; }; } );\n");
+    write_text("a b/fit.cfg", "fit = { mu = [0.05, 0.45]; };\nmeasured = ( { experiment = \"slide.cfg\"; of "
+                              "= \"v\"; value = 12.05; error = 0.3; fixed = { T = 0.05; }; } );\n");
     SHELL("cd 'a b' && $REPOSE calibrate fit.cfg -o . --quiet >../out 2>../err");
     GOOD("calibrate 'a b/fit.cfg' -o 'a b' --quiet");
     CHECK_NEAR(found("mu", "value"), 0.3, 0.01);

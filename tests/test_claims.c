@@ -233,9 +233,8 @@ static bool test_exists(const char *answer)
     const char *path = check_text("tests/test_%.*s.c", (int)(colon - answer), answer);
     snprintf(name, sizeof name, "%s(void)", colon + 2);
     for (char *c = name; *c; c++) *c = *c == ' ' ? '_' : *c;
-    const char *plain = check_text("static void %s", name);
     const char *prefixed = check_text("static void test_%s", name);
-    return file_holds(path, plain) || file_holds(path, prefixed);
+    return file_holds(path, check_text("static void %s", name)) || file_holds(path, prefixed);
 }
 
 /* The program reads every claim. Those answered by tests name ones that exist. Without tables

@@ -9,7 +9,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "cli/cli.h"
 #include "core/clock.h"
 #include "cli/derive/derive.h"
 #include "tests/protocol.h"
@@ -151,12 +150,10 @@ static void test_slurm(void)
     slurp("program", program, sizeof program);
     slurp("d/array.sh", script, sizeof script);
     SHELL("rm d/array.sh; \"$REPOSE\" sweep slurm d --shards 1000 >most && grep -q -- '^#SBATCH "
-          "--array=1-1000$' "
-          "d/array.sh");
-    CU_ASSERT_STRING_EQUAL(out,
-                           check_text("sbatch %s/array.sh\nparallel -q --sshlogin HOST1,HOST2 %s sweep run "
-                                      "%s --shard {}/7 -j 3 ::: $(seq 7)\nrepose sweep merge %s\n",
-                                      folder, program, folder, folder));
+          "--array=1-1000$' d/array.sh");
+    CU_ASSERT_STRING_EQUAL(out, check_text("sbatch %s/array.sh\nparallel -q --sshlogin HOST1,HOST2 %s sweep "
+                                           "run %s --shard {}/7 -j 3 ::: $(seq 7)\nrepose sweep merge %s\n",
+                                           folder, program, folder, folder));
     CHECK_PARTS(script,
                 "#SBATCH --array=1-7\n#SBATCH --cpus-per-task=3\n#SBATCH "
                 "--time=0:30:00\n#SBATCH --mem-per-cpu=2G\n",
@@ -371,10 +368,9 @@ static void test_bench(void)
     write_text("short.tsv", "# x\ty\n0.1\t0.1\n");
     /* without that of a stop and of what came before */
     const double steps = check_fast() ? 1e5 : 1e6, begun = rp_clock();
-    CU_ASSERT(shell_line(
-                  "\"$REPOSE\" bench --start start.tsv --steps %.0f --repeat 1 >out 2>err & p=$!; sleep 0.1; "
-                  "kill -STOP $p; sleep 0.8; kill -CONT $p; wait $p",
-                  steps) == 0);
+    CU_ASSERT(shell_line("\"$REPOSE\" bench --start start.tsv --steps %.0f --repeat 1 >out 2>err & p=$!; "
+                         "sleep 0.1; kill -STOP $p; sleep 0.8; kill -CONT $p; wait $p",
+                         steps) == 0);
     const double wall = rp_clock() - begun;
     scoped_table t = read_table("out");
     const double took = 3.0 * steps / (1e6 * cell(&t, 0, "median"));
@@ -779,9 +775,8 @@ static void test_stress_tables(void)
     GOOD("stress base w --width 1.2 --floor 1");
     FAILS(65, "w: --floor = 7: no grain touches this wall", "stress base w --width 1.2 --floor 7");
     /* a grain that flew off is named with its pile; 100000 cells away it still has one */
-    shell(
-        "cp p_contacts.tsv far_contacts.tsv; sed 's/^0.7/2e4/' p_grains.tsv >far_grains.tsv; "
-        "cp p_contacts.tsv high_contacts.tsv; sed 's/^0.7\t0.1/0.7\t-2.1e4/' p_grains.tsv >high_grains.tsv");
+    shell("cp p_contacts.tsv far_contacts.tsv; sed 's/^0.7/2e4/' p_grains.tsv >far_grains.tsv; cp "
+          "p_contacts.tsv high_contacts.tsv; sed 's/^0.7\t0.1/0.7\t-2.1e4/' p_grains.tsv >high_grains.tsv");
     FAILS(65, "far: grain 4 at (20000, 0.1): more than 100000 cells of 0.199 away",
           "stress field far p --width 1.2 --cell 0.199");
     FAILS(65, "high: grain 4 at (0.7, -21000): more than 100000 cells of 0.2 away",
@@ -1139,11 +1134,10 @@ static void test_report(void)
                         "{{rows many k=7:8 | k v:+- n:%%.0f}}\n{{rows none | k}}\n"
                         "All of {{value many k=7 v}} and {{value none v}} piles.\n| {{value none v}} |\n");
     REPORTS("page in.md --tables . --claims claims.tsv");
-    CU_ASSERT_STRING_EQUAL(
-        out, "20.10 ± 0.20, not known; 12 0.1; so it is; 20.10 ± 1; 0.100 ± 0.010 of 12; reproduced; "
-             "1 reproduced, 0 not reproduced, 0 open\n"
-             "| 7 | 20.10 ± 0.20 | 12 |\n| 8 | 0.100 ± 0.010 | 12 |\n| no data |\n"
-             "No data: `none.tsv` has not been made.\n| no data |\n");
+    CU_ASSERT_STRING_EQUAL(out, "20.10 ± 0.20, not known; 12 0.1; so it is; 20.10 ± 1; 0.100 ± 0.010 of 12; "
+                                "reproduced; 1 reproduced, 0 not reproduced, 0 open\n"
+                                "| 7 | 20.10 ± 0.20 | 12 |\n| 8 | 0.100 ± 0.010 | 12 |\n| no data |\n"
+                                "No data: `none.tsv` has not been made.\n| no data |\n");
     write_text("in.md", "{{cell many v=smallest k}} {{cell many v=largest k}} {{cell many n=largest k}} "
                         "{{cell many n=smallest k}}\n");
     REPORTS("page in.md --tables . --claims claims.tsv");
@@ -1229,8 +1223,7 @@ static void test_free_fall(void)
         CHECK_EACH(cell(&t, i, NAME), 1e-15, {"step", steps[i]}, {"t", steps[i] * 5e-5});
     /* without --every, the final state alone: the same row */
     GOOD("run scene.cfg --set dt=5e-5");
-    const char *last = strstr(out, "\n1000\t");
-    CU_ASSERT(last && !strstr(out, "\n0\t"));
+    CU_ASSERT(strstr(out, "\n1000\t") && !strstr(out, "\n0\t"));
     PRINTS("\n0\t0\t1\t", "run scene.cfg --set dt=5e-5 --set steps=0");
 }
 
@@ -1747,11 +1740,9 @@ static void test_run_stopped(void)
                 "\"$REPOSE\" run many.cfg >out 2>err & p=$!; sleep 0.5; kill $p; wait $p");
     /* nohup: until the run, or the sweep, has ended */
     SHELL("for what in 'run many.cfg --set steps=30000' 'sweep make r.cfg -o n --set x'; do set -- $what; [ "
-          "$1 = run ] || "
-          "{ sed 's/100, 1000000000/3000, 4000/' r.cfg >n.cfg; set -- sweep make n.cfg -o n -j 1; }; trap '' "
-          "HUP; "
-          "\"$REPOSE\" \"$@\" >out 2>err & p=$!; trap - HUP; while kill -HUP $p 2>/dev/null; do sleep 0.02; "
-          "done; wait $p || exit 1; done");
+          "$1 = run ] || { sed 's/100, 1000000000/3000, 4000/' r.cfg >n.cfg; set -- sweep make n.cfg -o n -j "
+          "1; }; trap '' HUP; \"$REPOSE\" \"$@\" >out 2>err & p=$!; trap - HUP; while kill -HUP $p "
+          "2>/dev/null; do sleep 0.02; done; wait $p || exit 1; done");
     /* neither a run that can be resumed nor that of another process is thrown away */
     SHELL("touch d/unfinished/snapshot");
     FAILS(65, "an unfinished run; continue with --resume d", "run s.cfg -o d --force");
@@ -1769,9 +1760,8 @@ static void test_folders(void)
                "steps = 20; particles = ( { x = 0.0; y = 0.0; r = 0.1; } ); gravity = [0.0, 0.0];\n");
     write_text("b.cfg",
                "steps = 20; particles = ( { x = 0.0; y = 0.0; r = 0.2; } ); gravity = [0.0, 0.0];\n");
-    write_text("s.cfg",
-               "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; fill_steps = 10; stop = \"steps\"; "
-               "relax_steps = 10; };\n");
+    write_text("s.cfg", "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; fill_steps = 10; stop = "
+                        "\"steps\"; relax_steps = 10; };\n");
     PRINTS_ALL("", "run a.cfg --every 10 -o a");
     SHELL("cp s.cfg t.cfg");
     GOOD("run s.cfg -o r");

@@ -4,7 +4,6 @@
 #include <malloc.h>
 
 #include "core/clock.h"
-#include "stats/stats.h"
 #include "stress/stress.h"
 #include "tests/grains.h"
 #include "tests/numbers.h"
@@ -145,8 +144,7 @@ static void check_response(checked *o, double mu, double width)
     /* friction along the line passes mu there, from below */
     for (int side = -1; side < 2; side += 2) {
         const double t = tan(at(o, 0, "floor_tilt_deg") * deg) + 1e-7 * side;
-        const double friction = (line[1][0] + line[1][1] * t) / (line[0][0] + line[0][1] * t);
-        CU_ASSERT((friction > mu) == (side > 0));
+        CU_ASSERT(((line[1][0] + line[1][1] * t) / (line[0][0] + line[0][1] * t) > mu) == (side > 0));
     }
 }
 
@@ -446,9 +444,8 @@ static void test_bench_fill(void)
         GOOD("bench --n %d --width %g --steps %d --repeat 1 --floor absorbs %s -o grains.tsv", N, width,
              STEPS, list[k].options);
         scoped_table t = read_table("out"), start = read_table("grains.tsv");
-        dem_state states[N];
         scoped_sim *sim = bench_sim(&list[k], N, width, &start);
-        CHECK_OK(dem_states(sim, states));
+        scoped dem_state *states = grains_states(sim);
         CU_ASSERT_EQUAL(start.n_rows, N);
         for (size_t i = 0; i < N; i++) {
             CHECK_EACH(cell(&start, i, NAME), 0.0, {"x", states[i].x}, {"angle", states[i].angle},
@@ -545,12 +542,11 @@ static void test_bench_sample(void)
     for (int k = check_fast(); k < 2; k++) {
         GOOD("bench --n %d --width %g --repeat 2 --state sample -o grains.tsv", numbers[k], widths[k]);
         scoped_table t = read_table("out"), end = read_table("grains.tsv");
-        dem_state states[120];
         scoped_sim *sim = bench_sim(&box, numbers[k], widths[k], NULL);
         CHECK_OK(dem_run(sim, 30000));
         dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
         CHECK_OK(dem_run(sim, 50000));
-        CHECK_OK(dem_states(sim, states));
+        scoped dem_state *states = grains_states(sim);
         const dem_counts counts = grains_counts(sim);
         const size_t left = dem_count(sim);
         CU_ASSERT_EQUAL_FATAL(end.n_rows, left);
@@ -802,8 +798,7 @@ static void test_rough(void)
     scoped_table grains = read_table("d/pile_grains.tsv"), contacts = read_table("d/pile_contacts.tsv");
     double glued = 0.0, carried = 0.0, contact_number = 0.0, height = 0.0, right = -INFINITY;
     for (size_t i = 0; i < grains.n_rows; i++) {
-        const bool base = is_glued(&grains, i);
-        if (base) { /* 1.3 apart, the middle is between two */
+        if (is_glued(&grains, i)) { /* 1.3 apart, the middle is between two */
             CHECK_NEAR(cell(&grains, i, "x"), 1.3 * ((double)i - 12.5), 1e-12);
             CHECK_NEAR(cell(&grains, i, "r"), 0.5, 0.0);
             right = cell(&grains, i, "x");

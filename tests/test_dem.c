@@ -2,7 +2,6 @@
 #include <float.h>
 
 #include "dem/setup/definition.h"
-#include "dem/state/method.h"
 #include "dem/methods/methods.h"
 #include "tests/grains.h"
 
@@ -35,16 +34,13 @@ static double distance(const dem_sim *a, const dem_sim *b)
 {
     const size_t n = dem_count(a);
     if (n != dem_count(b)) return INF;
-    dem_state *s = malloc(2 * n * sizeof *s), *t = s + n;
+    scoped dem_state *s = grains_states(a), *t = grains_states(b);
     double most = 0.0;
-    dem_states(a, s);
-    dem_states(b, t);
     for (size_t i = 0; i < n; i++) {
         double d =
             fabs(s[i].x - t[i].x) + fabs(s[i].y - t[i].y) + fabs(s[i].vx - t[i].vx) + fabs(s[i].vy - t[i].vy);
         if (!(d <= most)) most = d; /* NaN if either is NaN */
     }
-    free(s);
     return most;
 }
 
@@ -172,9 +168,8 @@ static void leave_below_others(void)
         def.walls[w].extent[0] = -0.2, def.walls[w].extent[1] = 0.2;
     }
     scoped_sim *sim = grains_after(&def, 3000); /* the fall uses 0.9 of them */
-    dem_state s[5];
     CU_ASSERT_EQUAL_FATAL(dem_count(sim), 3);
-    dem_states(sim, s);
+    scoped dem_state *s = grains_states(sim);
     CU_ASSERT(s[0].contacts > 0 && s[0].y < 1.0 + r && s[0].y > 1.0);
     CU_ASSERT(s[1].y - s[0].y > 1.9 * r && s[1].y < 1.0 + 3.3 * r && fabs(s[2].y - grains[4].y) < 1e-3);
 }
@@ -520,18 +515,16 @@ enum { SPINNING = 80 };
 static size_t sliding_of_sums(const dem_sim *sim)
 {
     enum { N = SPINNING };
-    dem_state s[N];
     double sums[N + 1][3] = {{0.0}}; /* per id: force, torque; id 0 for the walls */
     size_t n, sliding = 0;
     scoped dem_contact *c = grains_contacts(sim, &n);
     CU_ASSERT_EQUAL_FATAL(dem_count(sim), N);
-    dem_states(sim, s);
+    scoped dem_state *s = grains_states(sim);
     for (size_t k = 0; k < n; k++) {
         const double dx = c[k].x - c[k].x_b, dy = c[k].y - c[k].y_b, d = hypot(dx, dy);
         const double fx = (c[k].normal_force * dx + c[k].shear_force * dy) / d,
                      fy = (c[k].normal_force * dy - c[k].shear_force * dx) / d;
-        const bool wall = c[k].id_b == 0;
-        const double arm_a = wall ? d : s[c[k].id_a - 1].r - 0.5 * c[k].overlap;
+        const double arm_a = c[k].id_b == 0 ? d : s[c[k].id_a - 1].r - 0.5 * c[k].overlap;
         double *a = sums[c[k].id_a], *b = sums[c[k].id_b];
         a[0] += fx, a[1] += fy, a[2] += arm_a * c[k].shear_force + c[k].rolling_torque;
         b[0] -= fx, b[1] -= fy, b[2] += (d - arm_a) * c[k].shear_force - c[k].rolling_torque;
@@ -1198,9 +1191,8 @@ static void contacts_of_the_start(void)
     def.walls[2] = grains_line(2.5, 1.0, 0.0, 1.0, &def.material);
     def.walls[2].extent[0] = -0.5, def.walls[2].extent[1] = 2.0;
     scoped_sim *sim = grains_after(&def, 20);
-    dem_state s[N];
     size_t n, n_after;
-    CHECK_OK(dem_states(sim, s));
+    scoped dem_state *s = grains_states(sim);
     scoped dem_contact *before = grains_contacts(sim, &n);
     CU_ASSERT(n > 64 + 4);
     for (int i = 0; i < N; i++)
@@ -1252,8 +1244,7 @@ static double worst_impact(dem_definition def, double v, double dt, bool wall)
                                {.y = -0.1, .r = 0.1, .m = 0.004, .fixed = true}};
         def.grains = grains, def.n_grains = wall ? 1 : 2;
         scoped_sim *sim = grains_after(&def, (long)ceil(0.02 / v / dt) + 60);
-        dem_state s[2];
-        CHECK_OK(dem_states(sim, s));
+        scoped dem_state *s = grains_states(sim);
         CU_ASSERT(s[0].vy > 0.0);
         worst = fmax(worst, fabs(s[0].vy * s[0].vy / (v * v) - 1.0));
     }
@@ -1467,19 +1458,16 @@ static void overlap_of_the_start(void)
                      crowd = k == 5 ? (1.0 / m[0] + M_PI / 6.0 / asin(0.25) / m[1]) * m_eff : 1.0,
                      limit = 0.85 * 4.0 / sqrt(12.0 * 1.5 * k_n * sqrt(d) * crowd / m_eff);
         scoped_sim *sim = NULL;
-        dem_energy energy;
         def.dt = 1.0001 * limit;
         CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "too large for an initial overlap");
         def.dt = 0.9999 * limit;
         grains_again(&sim, &def, 0);
-        dem_energies(sim, &energy);
-        CHECK_NEAR(energy.elastic / (0.4 * k_n * pow(d, 2.5)), 1.0, 1e-12);
+        CHECK_NEAR(grains_energies(sim).elastic / (0.4 * k_n * pow(d, 2.5)), 1.0, 1e-12);
         const dem_contact c = grains_only_contact(sim);
         CU_ASSERT(c.shear_force == 0.0 && c.rolling_torque == 0.0);
         def.normal = DEM_LINEAR, def.dt = 1e-7;
         grains_again(&sim, &def, 0);
-        dem_energies(sim, &energy);
-        CHECK_NEAR(energy.elastic / (0.5 * k_n * d * d), 1.0, 1e-12);
+        CHECK_NEAR(grains_energies(sim).elastic / (0.5 * k_n * d * d), 1.0, 1e-12);
     }
 }
 
@@ -1497,8 +1485,7 @@ static void energy_of_a_long_spring(void)
         const dem_contact start = {.id_a = 1, .id_b = 2, .wall = -1, .shear_spring = ds};
         def.contacts = &start, def.n_contacts = 1;
         scoped_sim *sim = grains_start(&def);
-        dem_energy energy;
-        dem_energies(sim, &energy);
+        const dem_energy energy = grains_energies(sim);
         const dem_contact now = grains_only_contact(sim);
         const double pull = def.material.mu * fmax(now.normal_force, 0.0), k_n = def.material.k_n;
         CU_ASSERT((now.normal_force < 0.0) == (k == 2) && pull < def.material.k_s * ds);

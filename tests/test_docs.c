@@ -129,12 +129,10 @@ static void make_folder(void)
     char root[512];
     enter();
     CU_ASSERT_PTR_NOT_NULL_FATAL(getcwd(root, sizeof root));
-    CU_ASSERT_EQUAL_FATAL(
-        shell_line(
-            "{ mkdir page && cd page && ln -s '%s'/* . && rm build && mkdir build && ln -s \"$REPOSE\" "
-            "\"$REPORT\" build/; } >out 2>err",
-            root),
-        0);
+    CU_ASSERT_EQUAL_FATAL(shell_line("{ mkdir page && cd page && ln -s '%s'/* . && rm build && mkdir build "
+                                     "&& ln -s \"$REPOSE\" \"$REPORT\" build/; } >out 2>err",
+                                     root),
+                          0);
     setenv("PYTHONDONTWRITEBYTECODE", "1", 1);
     unsetenv("MAKEFLAGS"), unsetenv("REPOSE_DATA");
 }

@@ -13,7 +13,6 @@
 #include <unistd.h>
 
 #include "core/clock.h"
-#include "table/table.h"
 #include "tests/faults.h"
 #include "tests/folder.h"
 #include "tests/noise.h"
@@ -473,8 +472,7 @@ static void test_truncated(void)
         CHECK_OK(drive((sweep_options){0}, NULL));
         const char *path = folder_path(dir, "store.sqlite");
         CU_ASSERT(stat(path, &info) == 0);
-        const off_t length = draw((unsigned)info.st_size);
-        CU_ASSERT(truncate(path, length) == 0);
+        CU_ASSERT(truncate(path, draw((unsigned)info.st_size)) == 0);
         size_t rows = 0;
         CHECK_OK(sweep_salvage(dir, protocols, &rows));
         CU_ASSERT(rows <= RUNS);

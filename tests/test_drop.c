@@ -52,12 +52,11 @@ static dem_sim *moving_pile(bool spring)
 /* A new simulation of the same state, with or without its contacts, in ascending or descending ids. */
 static dem_sim *again(const dem_sim *sim, bool spring, bool with, bool turned)
 {
-    dem_state states[HEAP];
     dem_grain grains[HEAP] = {{0}};
     dem_definition def = disks(spring, HEAP, grains);
     size_t n;
     scoped dem_contact *contacts = grains_contacts(sim, &n);
-    CHECK_OK(dem_states(sim, states));
+    scoped dem_state *states = grains_states(sim);
     for (size_t i = 0; i < HEAP; i++) {
         const dem_state *s = &states[turned ? HEAP - 1 - i : i];
         grains[i] = (dem_grain){s->x, s->y, s->r, s->m, s->vx, s->vy, s->angle, s->omega, false};
@@ -77,10 +76,8 @@ static dem_sim *again(const dem_sim *sim, bool spring, bool with, bool turned)
 /* Largest difference of net force or torque between two simulations of the pile. */
 static double differ(const dem_sim *a, const dem_sim *b, bool turned)
 {
-    dem_state s[HEAP], t[HEAP];
+    scoped dem_state *s = grains_states(a), *t = grains_states(b);
     double most = 0.0;
-    CHECK_OK(dem_states(a, s));
-    CHECK_OK(dem_states(b, t));
     for (size_t i = 0; i < HEAP; i++) {
         const dem_state *u = &t[turned ? HEAP - 1 - i : i];
         most = fmax(most, fabs(s[i].fx - u->fx) + fabs(s[i].fy - u->fy) + fabs(s[i].torque - u->torque));
@@ -415,8 +412,7 @@ static void tiny_numbers_are_zero(void)
 /* Each disk has exactly the contacts given by its distances from all others and the ground. */
 static void check_contacts(const dem_sim *sim)
 {
-    dem_state s[DROPPED];
-    CHECK_OK(dem_states(sim, s));
+    scoped dem_state *s = grains_states(sim);
     for (size_t i = 0; i < dem_count(sim); i++) {
         int contacts = s[i].y < s[i].r;
         for (size_t j = 0; j < dem_count(sim); j++) {

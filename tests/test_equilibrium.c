@@ -5,7 +5,6 @@
 
 #include "analytic/analytic.h"
 #include "statics/bonds.h"
-#include "statics/equilibrium.h"
 #include "sweeps/protocols/pile.h"
 #include "tests/grains.h"
 #include "tests/numbers.h"
@@ -137,13 +136,11 @@ static const double THREE_H = 0.28867513459481287;
 
 static void test_three_disks(void)
 {
-    scoped_pile h = make_disks(2, 60, 0);
     statics_definition def = soft(0);
     def.k_x = 0.385;
-    CHECK_OK(solve(&h, def));
+    scoped_pile h = solved(2, 60, def);
     for (size_t i = 0; i < 2; i++) {
-        const double side = i ? 1 : -1;
-        CHECK_PAIRS(ROUNDING, {h.N[i], 1.5}, {h.H[i], side * THREE_H});
+        CHECK_PAIRS(ROUNDING, {h.N[i], 1.5}, {h.H[i], (i ? 1 : -1) * THREE_H});
     }
     /* disks 0 (left), 1 (top), 2 (right): the contact force 1/sqrt 3 is the overlap along the diagonal */
     CHECK_PAIRS(ROUNDING, {h.u[0], -THREE_H / 0.385}, {h.u[1], -1.5});
@@ -184,9 +181,8 @@ static void test_softest_disk(void)
 
 static void test_friction_wells(void)
 {
-    scoped_pile h = make_disks(2, 60, 0);
     /* stiffness mu N/a: held at x = H a/(mu N) while H < mu N, 0.1925 of N here */
-    CHECK_OK(solve(&h, friction(0, 0.25, 3.7)));
+    scoped_pile h = solved(2, 60, friction(0, 0.25, 3.7));
     CHECK_NEAR(h.u[4], THREE_H * 3.7 / (0.25 * 1.5), 1e-9);
     CU_ASSERT(h.result.broken == 0);
     /* the same displacement again from that of half the load, although the sum exceeds a */
@@ -361,9 +357,8 @@ static void count_closed(const test_pile *h)
 static void test_linearised(void)
 {
     double most;
-    scoped_pile h = make_disks(45, 60, 0);
+    scoped_pile h = solved(45, 60, soft(0));
     CU_ASSERT(h.n == 1035);
-    CHECK_OK(solve(&h, soft(0)));
     CU_ASSERT(N_error(&h, &most) < ROUNDING && most < ROUNDING);
     for (size_t i = 0; i < h.k; i++) CHECK_NEAR(h.H[i], h.exact[i].H, 22.5 * ROUNDING);
     CU_ASSERT(h.result.contacts == 1980 && h.result.horizontal == 0 && h.result.negative_modes == 0);
@@ -460,9 +455,8 @@ static void test_stronger_diagonals(void)
 /* A branch that ends under load: the pile jumps to another branch once, at full load. */
 static void test_jump(void)
 {
-    scoped_pile h = make_disks(20, 55, 0);
     statics_definition def = soft(3e-3);
-    CHECK_OK(solve(&h, def));
+    scoped_pile h = solved(20, 55, def);
     CU_ASSERT(h.result.jumps == 1 && h.result.load == 1);
     def.branch = STATICS_BRANCH_MINIMUM; /* not followed, so without an end */
     CHECK_OK(solve(&h, def));
@@ -479,9 +473,8 @@ static void test_jump(void)
  * state, with few factorisations. */
 static void test_large_soft(void)
 {
-    scoped_pile h = make_disks(180, 30, 0);
     statics_definition def = soft(1e-4);
-    CHECK_OK(solve(&h, def));
+    scoped_pile h = solved(180, 30, def);
     CU_ASSERT(h.n == 5490 && h.result.jumps == 1 && h.result.negative_modes == 0);
     CU_ASSERT(h.result.factored <
               12); /* 12 if an indefinite matrix is tried twice, or modes are counted anew */
@@ -499,9 +492,8 @@ static void test_minima(void)
 {
     double released[3], N_most[3];
     const unsigned long ways[] = {2, 5, 13};
-    scoped_pile h = make_disks(45, 60, 0);
     statics_definition def = soft(1e-4);
-    CHECK_OK(solve(&h, def));
+    scoped_pile h = solved(45, 60, def);
     CU_ASSERT(isnan(h.result.released));
     const double primary = h.result.energy;
     def.branch = STATICS_BRANCH_MINIMUM;
@@ -697,9 +689,8 @@ static void test_horizontal_force(void)
         double eps, found;
     } cases[] = {{45, 360, 1e-4, 0.72}, {45, 360, 1e-8, 0.72}, {180, 5490, 0, 0.75}};
     for (size_t c = 0; c < (check_fast() ? 2 : 3); c++) {
-        scoped_pile h = make_disks(cases[c].k, 30, 0);
+        scoped_pile h = solved(cases[c].k, 30, soft(cases[c].eps));
         CU_ASSERT(h.n == cases[c].n);
-        CHECK_OK(solve(&h, soft(cases[c].eps)));
         const double B = an_lattice_base((double)h.n, M_PI / 6, 30 * DEG);
         CHECK_NEAR(worst_of(h.H, h.k) / (B * fabs(kink.H)), cases[c].found, 0.01);
         CU_ASSERT(h.result.horizontal > h.n / 2);
@@ -711,9 +702,8 @@ static void test_horizontal_force(void)
     static const double alphas[] = {32.6, 45, 50, 55};
     static const size_t counts[] = {383, 581, 690, 821};
     for (size_t a = 0; a < 4; a++) {
-        scoped_pile h = make_disks(45, alphas[a], 0);
+        scoped_pile h = solved(45, alphas[a], soft(1e-4));
         CU_ASSERT(h.n == counts[a]);
-        CHECK_OK(solve(&h, soft(1e-4)));
         CU_ASSERT(h.result.negative_modes == 0 && h.result.residual < ROUNDING);
     }
 }
@@ -747,10 +737,9 @@ static void test_relabelled(void)
 static void test_damped_dynamics(void)
 {
     const double eps = 1e-3, k_x = 0.8;
-    scoped_pile h = make_disks(12, 35, 0);
     statics_definition def = soft(eps);
     def.k_x = k_x;
-    CHECK_OK(solve(&h, def));
+    scoped_pile h = solved(12, 35, def);
     CU_ASSERT(h.result.horizontal > 0);
     scoped dem_grain *grains = calloc(h.n, sizeof *grains);
     for (size_t i = 0; i < h.n; i++)
@@ -1045,8 +1034,7 @@ static void check_half_pile(double unit)
         CU_ASSERT_FATAL(parents[i].a < n_half && parents[i].b < n_half);
         const statics_disk *p = &half[parents[i].a], *q = &half[parents[i].b];
         CHECK_PAIRS(round_off, {p->x + q->x, h.disks[i].x}, {p->y + q->y - unit, h.disks[i].y - unit / 2});
-        const double apart = hypot(p->x - q->x, p->y - q->y);
-        CHECK_NEAR(apart, parents[i].a == parents[i].b ? 0 : unit, round_off);
+        CHECK_NEAR(hypot(p->x - q->x, p->y - q->y), parents[i].a == parents[i].b ? 0 : unit, round_off);
     }
     free(half);
     for (int way = 0; way < 8; way++) {

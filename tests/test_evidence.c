@@ -7,7 +7,6 @@
 
 #include "dem/scene/text.h"
 #include "report/verdict.h"
-#include "sweeps/engine/experiment.h"
 #include "sweeps/engine/private.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/program.h"
@@ -138,19 +137,16 @@ static void test_verdicts(void)
 static void check_claims_table(void)
 {
     static const char
-        head[] =
-            "\nid\tpaper\tplace\tstatement\ttest\tpublished\tsamples\tanswer\tours\tn\tz\tfixed\tverdict\t"
-            "detail\tfailed\n",
-        one[] =
-            "one\tlh\tfigure 9\tfirst\tagrees\t20 ± 0.9\t40\tmeans/points k=1 a\t21.5 ± 1.0\t12\t1.06\t-\t"
-            "reproduced\t+1.1 se\t2 of 14 (no_pile, overlap)\n",
+        head[] = "\nid\tpaper\tplace\tstatement\ttest\tpublished\tsamples\tanswer\tours\tn\tz\tfixed\tverdict"
+                 "\tdetail\tfailed\n",
+        one[] = "one\tlh\tfigure 9\tfirst\tagrees\t20 ± 0.9\t40\tmeans/points k=1 a\t21.5 ± "
+                "1.0\t12\t1.06\t-\treproduced\t+1.1 se\t2 of 14 (no_pile, overlap)\n",
         two[] = "two\tlh\tfigure 9\tsecond\tagrees\t20 ± 0.9\t40\tt k=1 a\t24.0 ± 1.0\tnan\t2.97\t-\t"
                 "not reproduced\t+3.0 se\t-\n",
         three[] =
             "three\tlh\tfigure 9\tthird\tformula\t-\t0\tangle: x\t-\tnan\tnan\t-\treproduced\tby tests\t-\n",
-        five[] =
-            "five\tli\t-\tfifth\tabove\t-\t0\tmeans/points k=1 a\t21.5 ± 1.0\t12\tnan\t-\treproduced\t-\t"
-            "2 of 14 (no_pile, overlap)\n",
+        five[] = "five\tli\t-\tfifth\tabove\t-\t0\tmeans/points k=1 a\t21.5 ± "
+                 "1.0\t12\tnan\t-\treproduced\t-\t2 of 14 (no_pile, overlap)\n",
         seven[] =
             "seven\tours\t-\tseventh\tformula\t-\t0\tangle: x\t-\tnan\tnan\t-\tsupported\tby tests\t-\n",
         counts[] = "\n# lh: 3 reproduced, 0 not reproduced, 0 open\n"
@@ -245,16 +241,14 @@ static void test_section(void)
         SWEEP("means") "1 of 15 (no_pile 1)\n# k\tn\tn_failed\ta_mean\ta_se\ta_n\n1\t12\t1\t21.5\t1\t12\n");
     write_text("in.md", "{{claims lh}}\n{{failures all}}\n");
     REPORTS("page in.md --tables . --claims claims.tsv");
-    CHECK_PARTS(
-        out,
-        "| 20 ± 0.9 (1) | 21.5 ± 1.0 | 12 | reproduced | +1.1 se; 1 of 13 failed (no_pile 1): the flattest "
-        "piles are left out, theta_R is too large |",
-        "| 20 ± 0.8 | 21.5 ± 1.0 | 12 | reproduced | +1.1 se; 1 of 13 failed (no_pile 1): ");
+    CHECK_PARTS(out,
+                "| 20 ± 0.9 (1) | 21.5 ± 1.0 | 12 | reproduced | +1.1 se; 1 of 13 failed (no_pile 1): the "
+                "flattest piles are left out, theta_R is too large |",
+                "| 20 ± 0.8 | 21.5 ± 1.0 | 12 | reproduced | +1.1 se; 1 of 13 failed (no_pile 1): ");
     /* a line for each sweep, and no other */
-    static const char lines[] =
-        "| 4 of 9 failed (overlap 4) |\n"
-        "| `lone` | 3 of 9 (overlap 3) |\n| `means` | 1 of 15 (no_pile 1) |\n| `more` | 2 of 9 (causes not "
-        "stored) |\n| `end` | 4 of 9 (overlap 4) |\n";
+    static const char lines[] = "| 4 of 9 failed (overlap 4) |\n"
+                                "| `lone` | 3 of 9 (overlap 3) |\n| `means` | 1 of 15 (no_pile 1) |\n| "
+                                "`more` | 2 of 9 (causes not stored) |\n| `end` | 4 of 9 (overlap 4) |\n";
     CU_ASSERT_STRING_EQUAL(out + strlen(out) - strlen(lines), lines);
     /* blanks between the brackets do not count */
     write_text("in.md", "{{ value  means/points k=1  a }}; {{  cell means/points k=1 a_mean %%.2f}}; {{ note "
@@ -299,10 +293,9 @@ static void test_failed_cells(void)
     write_text("r/points.tsv",
                SWEEP("r") "4 of 7 (no_response 4)\n# k\tn\tn_failed\ta_mean\ta_sd\ta_se\ta_n\n"
                           "1\t3\t4\t3\t1\t1\t3\n");
-    write_text(
-        "s/moved.tsv",
-        "# derived by: trend x=k\n# source: s D 30\n# failed: 0 of 5; 3 of 8 (overlap 2, no_pile 1); 4 of 4 "
-        "(no_pile 4); 1 of 9\n# g\tchange\tchange_se\n1\t3\t1\n2\t3\t1\n3\t3\t1\n4\t3\t1\n");
+    write_text("s/moved.tsv",
+               "# derived by: trend x=k\n# source: s D 30\n# failed: 0 of 5; 3 of 8 (overlap 2, no_pile 1); "
+               "4 of 4 (no_pile 4); 1 of 9\n# g\tchange\tchange_se\n1\t3\t1\n2\t3\t1\n3\t3\t1\n4\t3\t1\n");
     write_text("s/new.tsv",
                "# source: s D 30\n# units: 1\t1\t1\t1\t1\t1\ng\tn\tchange\tchange_se\tn_failed\tfailed_for\n"
                "1\t8\t3\t1\t2\tno_pile:1,overlap:1\n2\t7\t3\t1\t3\tno_pile:3\n");

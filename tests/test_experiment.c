@@ -212,20 +212,19 @@ static void test_forces(void)
  * and a strain of 0.2 along x, less than which only the xy pattern of 0.1 is left. */
 static void test_surface_and_motion(void)
 {
-    static const char text[] =
-        "dt = 1.0e-4; gravity = [0.0, 0.0];\n"
-        "particles = ( { x = -4.0; y = -2.0; vx = 10.0; vy = 10.0; r = 0.5; },\n"
-        "  { x = -2.0; y = -2.0; vx = 50.0; vy = -10.0; r = 0.5; },\n"
-        "  { x = -4.0; y = 0.0; vx = 10.0; vy = -10.0; r = 0.5; },\n"
-        "  { x = -2.0; y = 0.0; vx = 50.0; vy = 10.0; r = 0.5; },\n"
-        "  { x = 10.5; y = -0.5; r = 0.5; }, { x = 11.5; y = -1.0; r = 0.5; },\n"
-        "  { x = 12.5; y = -1.5; r = 0.5; }, { x = 13.5; y = -2.0; r = 0.5; },\n"
-        "  { x = 14.5; y = -2.5; r = 0.5; } );\n"
-        "regions = { four = { x = (-5.0, -1.0); y = (-3.0, 9.0); }; stairs = { x = (10.0, 15.0); y = (-3.0, "
-        "9.0); }; };\n"
-        "phases = ( { name = `move`; steps = 100; } );\n"
-        "measure = ( { name = `u`; of = `motion`; in = `four`; },\n"
-        "  { name = `s`; of = `slope`; in = `stairs`; } );\n";
+    static const char text[] = "dt = 1.0e-4; gravity = [0.0, 0.0];\n"
+                               "particles = ( { x = -4.0; y = -2.0; vx = 10.0; vy = 10.0; r = 0.5; },\n"
+                               "  { x = -2.0; y = -2.0; vx = 50.0; vy = -10.0; r = 0.5; },\n"
+                               "  { x = -4.0; y = 0.0; vx = 10.0; vy = -10.0; r = 0.5; },\n"
+                               "  { x = -2.0; y = 0.0; vx = 50.0; vy = 10.0; r = 0.5; },\n"
+                               "  { x = 10.5; y = -0.5; r = 0.5; }, { x = 11.5; y = -1.0; r = 0.5; },\n"
+                               "  { x = 12.5; y = -1.5; r = 0.5; }, { x = 13.5; y = -2.0; r = 0.5; },\n"
+                               "  { x = 14.5; y = -2.5; r = 0.5; } );\n"
+                               "regions = { four = { x = (-5.0, -1.0); y = (-3.0, 9.0); }; stairs = { x = "
+                               "(10.0, 15.0); y = (-3.0, 9.0); }; };\n"
+                               "phases = ( { name = `move`; steps = 100; } );\n"
+                               "measure = ( { name = `u`; of = `motion`; in = `four`; },\n"
+                               "  { name = `s`; of = `slope`; in = `stairs`; } );\n";
     RUN_TRIAL(t, text, 1000, "ok");
     CHECK_EACH(measured(&t, NAME), 1e-9, {"u_nonaffine", 0.1}, {"u_share", 0.01 / (0.01 + 0.04)},
                {"u_x", 0.5}, {"u_y", 2.0}, {"u_depth", 1.0}, {"u_all_y", 2.0}, {"u_reach", hypot(0.5, 0.1)},
@@ -302,9 +301,8 @@ static void test_where(void)
     CHECK_OK(exp_advance(two.run, 500));
     CHECK_PARTS(exp_where(one.run, text, sizeof text), "fill: energy = ", ", until held(energy < 1e-3, 3)");
     CU_ASSERT(strcmp(exp_where(two.run, text, sizeof text), "fall: step 500 of 2000") == 0);
-    scoped char *both = changed(hopper, "held(energy < 1e-3, 3)", "energy < 1e-3 and rest");
     scoped_trial three;
-    start(&three, both);
+    start(&three, check_changed(hopper, "held(energy < 1e-3, 3)", "energy < 1e-3 and rest"));
     CHECK_OK(exp_advance(three.run, 500));
     CHECK_PARTS(exp_where(three.run, text, sizeof text), ", rest = 0, until energy");
     CU_ASSERT(strstr(text, "energy = 0,") == NULL);
@@ -337,8 +335,7 @@ static void test_words(void)
         {hopper, "phases = (", "result = `D > 2 ? 'ok' : 'ok_narrow'`; phases = (", "ok_narrow"},
         {hopper, "take = `rate`", "when = `grains < 0`; optional = true; take = `rate`", "ok"}};
     check_ends(sizeof cases / sizeof *cases, cases);
-    scoped char *text = changed(hopper, "clogged = `rest`", "low = `sqrt(-height) < 5`");
-    RUN_TRIAL(t, text, 1000, "no_number");
+    RUN_TRIAL(t, check_changed(hopper, "clogged = `rest`", "low = `sqrt(-height) < 5`"), 1000, "no_number");
     CHECK_PARTS(exp_ended(t.run)->message, ": low \"sqrt(-height) < 5\" is nan; height = ");
 }
 
@@ -551,8 +548,7 @@ static void test_swept(void)
     scoped_table series = read_table("row/series_mean_y.tsv");
     CU_ASSERT(series.n_rows > 10);
     SHELL("sed 's/\"rate\"; unit/\"rate\"; series = true; unit/' gone.cfg >r.cfg && $REPOSE run r.cfg -o r "
-          ">out 2>&1 "
-          "&& grep -q '^# units: 1.s.1$' r/series_rate.tsv"); /* that of a sample */
+          ">out 2>&1 && grep -q '^# units: 1.s.1$' r/series_rate.tsv"); /* that of a sample */
     GOOD("view row --frame flow -o row.svg");
     FAILS(64, "or a phase that has ended", "view row --frame flows -o row.svg");
     GOOD("sweep status s");
@@ -571,8 +567,7 @@ static void test_swept(void)
               cell(&again, 5, "rate") == cell(&t, 5, "rate"));
     /* with another default of what is fixed the streams are others: no row is stored, and none is damaged */
     SHELL("sed -i 's/mu = 0.2;/mu = 0.25;/' h.cfg && $REPOSE sweep make s.cfg -o s --quiet && cp kept.cfg "
-          "h.cfg "
-          "&& sed -i 's/looks=9/looks=0x9/' s.cfg && $REPOSE sweep make s.cfg -o s --quiet");
+          "h.cfg && sed -i 's/looks=9/looks=0x9/' s.cfg && $REPOSE sweep make s.cfg -o s --quiet");
     /* another phase is another plan; its rows are made again */
     SHELL("sed -i 's/least = 2000/least = 2100/' h.cfg && $REPOSE sweep plan s.cfg -o s | grep -q "
           "' 0 already stored'");
@@ -659,15 +654,13 @@ static void test_other_measures(void)
     write_trial("e.cfg", beds);
     GOOD("sweep make s.cfg -o first --quiet");
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        scoped char *text = changed(beds, cases[k].from, cases[k].to);
-        write_trial("e.cfg", text);
-        CU_ASSERT(
-            shell_line("rm -rf again new && cp -r first again && $REPOSE sweep plan s.cfg -o again | grep -q "
-                       "' %d already stored' && $REPOSE sweep run again -j 1 --quiet && $REPOSE sweep plan "
-                       "s.cfg -o new && $REPOSE sweep run new -j 1 --quiet && [ \"$($REPOSE sweep digest "
-                       "again)\" = \"$($REPOSE sweep digest new)\" ] && $REPOSE sweep export again >a.tsv && "
-                       "$REPOSE sweep export new >n.tsv",
-                       cases[k].stored) == 0);
+        write_trial("e.cfg", check_changed(beds, cases[k].from, cases[k].to));
+        CU_ASSERT(shell_line("rm -rf again new && cp -r first again && $REPOSE sweep plan s.cfg -o again | "
+                             "grep -q ' %d already stored' && $REPOSE sweep run again -j 1 --quiet && "
+                             "$REPOSE sweep plan s.cfg -o new && $REPOSE sweep run new -j 1 --quiet && [ "
+                             "\"$($REPOSE sweep digest again)\" = \"$($REPOSE sweep digest new)\" ] && "
+                             "$REPOSE sweep export again >a.tsv && $REPOSE sweep export new >n.tsv",
+                             cases[k].stored) == 0);
         scoped_table again = read_table("a.tsv"), new = read_table("n.tsv");
         double quick = 0.0, whole = 0.0;
         for (size_t i = 0; i < 4; i++) quick += cell(&again, i, "seconds"), whole += cell(&new, i, "seconds");
@@ -675,10 +668,9 @@ static void test_other_measures(void)
     }
     write_trial("e.cfg", beds); /* alone */
     GOOD("run e.cfg -o whole");
-    SHELL(
-        "sed 's/measure = (/measure = ( { name = \"left_at\"; of = \"left\"; at = \"bed\"; },/' e.cfg >l.cfg "
-        "&& $REPOSE run l.cfg | grep -v '^#' >a && $REPOSE run l.cfg --from whole | grep -v '^#' >b && cmp a "
-        "b");
+    SHELL("sed 's/measure = (/measure = ( { name = \"left_at\"; of = \"left\"; at = \"bed\"; },/' e.cfg "
+          ">l.cfg && $REPOSE run l.cfg | grep -v '^#' >a && $REPOSE run l.cfg --from whole | grep -v '^#' >b "
+          "&& cmp a b");
     SHELL("sed 's/\"contacts\"/\"contacts + 1\"/' e.cfg >l.cfg");
     FAILS(65, "end_bed.state: poured is not in it", "run l.cfg --from whole");
     SHELL("sed 's/from = \"bed\"/from = \"pour\"/' e.cfg >l.cfg");
@@ -744,13 +736,12 @@ static void test_other_snapshots(void)
                                          "steps = 300000; }, { name = \"no\"; if = false; steps = 1; }"};
     write_text("s.cfg", "experiment = \"e.cfg\"; replicas = 1;\n");
     for (size_t k = 0; k < 3; k++) {
-        write_text(
-            "e.cfg",
-            "dt = 1e-4; normal = { k_n = 1e5; };\n"
-            "walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); } );\nfill = { N = 20; W = 2.0; H = "
-            "2.0; };\nphases = ( { name = \"bed\"; %s );\nmeasure = ( { name = \"top\"; of = \"height\"; at "
-            "= \"bed\"; } );\n",
-            phases[k]);
+        write_text("e.cfg",
+                   "dt = 1e-4; normal = { k_n = 1e5; };\n"
+                   "walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); } );\nfill = { N = 20; W = 2.0; "
+                   "H = 2.0; };\nphases = ( { name = \"bed\"; %s );\nmeasure = ( { name = \"top\"; of = "
+                   "\"height\"; at = \"bed\"; } );\n",
+                   phases[k]);
         CU_ASSERT(
             shell_line("d=old%zu; $REPOSE sweep plan s.cfg -o $d >out; if [ $d = old0 ]; then timeout -s INT "
                        "0.2 $REPOSE sweep run old0 --quiet >out 2>&1; cp -r old0 old1; cp -r old0 old2; "
@@ -785,8 +776,7 @@ static void test_sweeps_refused(void)
         {"experiment = \"seed.cfg\"; grid = { seed = [1.0, 2.0]; };",
          "seed: is a column that every sweep has"},
         {"replicas = 3;", "protocol or experiment: missing"}};
-    scoped char *text = changed(hopper, "mu = 0.2", "mu = 0.2; unused = 1.0");
-    write_trial("h.cfg", text);
+    write_trial("h.cfg", check_changed(hopper, "mu = 0.2", "mu = 0.2; unused = 1.0"));
     write_text("plain.cfg", "steps = 3; particles = ( { x = 0.0; y = 0.0; r = 0.1; } );\n");
     write_text("files.cfg", "particles_file = \"p.tsv\"; phases = ( { name = \"a\"; steps = 3; } );\n");
     write_text("p.tsv", "x\ty\tr\n0\t0\t0.1\n");
@@ -813,10 +803,9 @@ static void test_slow_turns(void)
 /* A let that is computed again, after a grid point that gave it a number. */
 static void test_computed_again(void)
 {
-    write_text("c.cfg",
-               "let = { a = 0.5; b = { value = \"a\"; range = \"[0, inf) | endless\"; }; c = \"2*b\"; "
-               "}; particles = ( { x = 0.0; y = 0.0; r = 0.1; } ); phases = ( { name = \"fall\"; "
-               "steps = 3; } ); measure = ( { name = \"is\"; of = \"c\"; } );\n");
+    write_text("c.cfg", "let = { a = 0.5; b = { value = \"a\"; range = \"[0, inf) | endless\"; }; c = "
+                        "\"2*b\"; }; particles = ( { x = 0.0; y = 0.0; r = 0.1; } ); phases = ( { name = "
+                        "\"fall\"; steps = 3; } ); measure = ( { name = \"is\"; of = \"c\"; } );\n");
     write_text("s.cfg", "experiment = \"c.cfg\"; replicas = 1; grid = { b = (\"computed\", 0.25); };\n");
     GOOD("sweep make s.cfg -o again -j 1 --quiet");
     PRINTS("\n0\tok\tcomputed\t0\t", "sweep export again");
@@ -861,8 +850,7 @@ static void test_turned_walls(void)
         "  { name = `m`; of = `plate.torque`; }, { name = `fx`; of = `plate.fx`; }, { name = `fy`; of = "
         "`plate.fy`; } );\n";
     RUN_TRIAL(about, turned, 1000, "ok");
-    scoped char *origin = changed(turned, "(0.7, 0.4)", "(0.0, 0.0)");
-    RUN_TRIAL(other, origin, 1000, "ok");
+    RUN_TRIAL(other, check_changed(turned, "(0.7, 0.4)", "(0.0, 0.0)"), 1000, "ok");
     const double c = cos(20.0 * M_PI / 180.0), s = sin(20.0 * M_PI / 180.0), fx = measured(&about, "fx"),
                  fy = measured(&about, "fy"), x = 0.7 * c + 0.4 * s, y = 0.4 * c - 0.7 * s;
     CHECK_PAIRS(1e-12, {measured(&about, "px"), 0.7}, {measured(&about, "py"), 0.4},
@@ -902,22 +890,21 @@ static void test_vibrated(void)
 {
     for (int strong = 0; strong < 2; strong++) {
         scoped_trial t;
-        start(
-            &t,
-            check_text(
-                "dt = 1.0e-5; gravity = (0.0, -981.0); let = { f = 10.0; gamma = %s; w = `2*pi*f`; A = "
-                "`gamma*g/w^2`; };\n"
-                "walls = ( { name = `plate`; polygon = ((-1.0, 0.0), (1.0, 0.0)); closed = false; } );\n"
-                "particles = ( { x = 0.0; y = 0.0999; r = 0.1; m = 0.004; } );\n"
-                "phases = ( { name = `lie`; steps = 5000; },\n"
-                "  { name = `shake`; walls = { plate = { velocity = (0.0, `A*w*sin(w*t)`); }; }; time = "
-                "`0.5/f`; every = 5; } );\n"
-                "measure = ( { name = `flies`; of = `t`; during = `shake`; take = `first`; when = `contacts "
-                "== 0`; optional = true; },\n"
-                "  { name = `top`; of = `plate.y`; during = `shake`; take = `max`; },\n"
-                "  { name = `end`; of = `plate.y`; },\n"
-                "  { name = `fastest`; of = `plate.vy`; during = `shake`; take = `max`; } );\n",
-                strong ? "2.0" : "0.8"));
+        start(&t,
+              check_text(
+                  "dt = 1.0e-5; gravity = (0.0, -981.0); let = { f = 10.0; gamma = %s; w = `2*pi*f`; A = "
+                  "`gamma*g/w^2`; };\n"
+                  "walls = ( { name = `plate`; polygon = ((-1.0, 0.0), (1.0, 0.0)); closed = false; } );\n"
+                  "particles = ( { x = 0.0; y = 0.0999; r = 0.1; m = 0.004; } );\n"
+                  "phases = ( { name = `lie`; steps = 5000; },\n"
+                  "  { name = `shake`; walls = { plate = { velocity = (0.0, `A*w*sin(w*t)`); }; }; time = "
+                  "`0.5/f`; every = 5; } );\n"
+                  "measure = ( { name = `flies`; of = `t`; during = `shake`; take = `first`; when = "
+                  "`contacts == 0`; optional = true; },\n"
+                  "  { name = `top`; of = `plate.y`; during = `shake`; take = `max`; },\n"
+                  "  { name = `end`; of = `plate.y`; },\n"
+                  "  { name = `fastest`; of = `plate.vy`; during = `shake`; take = `max`; } );\n",
+                  strong ? "2.0" : "0.8"));
         CHECK_OK(exp_check(t.plan));
         finish(&t, 777);
         const double w = 2.0 * M_PI * 10.0, A = (strong ? 2.0 : 0.8) * 981.0 / (w * w);

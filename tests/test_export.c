@@ -154,8 +154,7 @@ static void test_back(void)
                "output = { states = 20; energy = 20; };\n"
                "phases = ( { name = \"a\"; steps = 40; }, { name = \"b\"; steps = 45; },\n"
                "  { name = \"c\"; from = \"a\"; steps = 30; }, { name = \"d\"; steps = 0; } );\nmeasure = ( "
-               "{ name = \"at\"; of = \"step\"; "
-               "} );\n");
+               "{ name = \"at\"; of = \"step\"; } );\n");
     GOOD("run back.cfg -o back");
     SHELL("ln -s back back.2.cfg"); /* a folder, no scene */
     GOOD("export back.2.cfg --to xyz");
@@ -456,11 +455,10 @@ static const struct {
              "  { point = [0.15, 0.0]; direction = [0.96, 0.28]; }, { point = [1.6, 0.0]; direction = [-1.0, "
              "0.0]; } );\n"
              "tangential = { law = \"slip_roll\"; gamma_s = 200.0; mu = 0.2; };\n"},
-    {"mindlin",
-     "material = { E = 3.0e7; nu = 0.3; restitution = 0.7; mu = 0.3; };\n"
-     "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; mu = 0.5; E = 2.0e7; },\n"
-     "  { point = [0.15, 0.0]; direction = [0.96, 0.28]; nu = 0.2; }, { point = [1.6, 0.0]; direction = "
-     "[-1.0, 0.0]; } );\n"},
+    {"mindlin", "material = { E = 3.0e7; nu = 0.3; restitution = 0.7; mu = 0.3; };\n"
+                "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; mu = 0.5; E = 2.0e7; },\n"
+                "  { point = [0.15, 0.0]; direction = [0.96, 0.28]; nu = 0.2; }, { point = [1.6, 0.0]; "
+                "direction = [-1.0, 0.0]; } );\n"},
     {"pulls", "normal = { law = \"hertz\"; k_n = 1.0e6; gamma_n = 900.0; };\n" SMOOTH_WALLS}};
 
 /* Rows of grains of three radii that touch nothing yet; two at the bottom are fixed. No number
@@ -760,9 +758,8 @@ static void test_refused(void)
         {WITH_GRAINS "normal = { law = \"tsuji\"; gamma_n = 0.1; };", "normal.law = \"tsuji\""},
         {WITH_GRAINS "normal = { tension = false; }; hard = { restitution = 0.5; };", "hard: "},
         {WITH_GRAINS "normal = { tension = false; }; phases = ( { name = \"a\"; steps = 1; } );", "phases: "},
-        {WITH_GRAINS
-         "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } ); ground = { mu_static = 0.5; a "
-         "= 0.01; };",
+        {WITH_GRAINS "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } ); ground = { mu_static = "
+                     "0.5; a = 0.01; };",
          "ground: "},
         {WITH_GRAINS "integrator = \"implicit\";", "integrator: "},
         {WITH_GRAINS "dt = 1e-6; normal = { law = \"elastic\"; k_n = 0.0; gamma_n = 0.3; tension = false; }; "

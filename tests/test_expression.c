@@ -275,8 +275,7 @@ static void test_random(void)
         rp_expression e;
         double states[400] = {0.0};
         write_random(&arena, &text, true, 1 + k % 3);
-        const size_t length = strlen(text);
-        text[below((int)length)] = "()+-*/^<>=!?:,.'09aeW \x80&"[below(25)];
+        text[below((int)strlen(text))] = "()+-*/^<>=!?:,.'09aeW \x80&"[below(25)];
         if (rp_expression_read(&arena, text, &inside, &e) == RP_OK) rp_expression_value(&e, &now, states);
     }
 }
@@ -292,14 +291,6 @@ static const char scene_text[] = "let = { D = { value = 1.6; unit = \"cm\"; rang
                                  "walls = ( { point = (\"-D\", 0.0); direction = (0.0, 1.0); extent = "
                                  "(\"-inf\", \"-wide\"); open_at_step = \"dt < 1 ? 7 : 8\"; } );\n"
                                  "fill = { N = \"N\"; W = \"wide\"; H = 16.0; };\n";
-
-/* With another part in place of the first `from`. */
-static const char *changed(const char *from, const char *to)
-{
-    const char *start = strstr(scene_text, from);
-    CU_ASSERT_PTR_NOT_NULL_FATAL(start);
-    return check_text("%.*s%s%s", (int)(start - scene_text), scene_text, to, start + strlen(from));
-}
 
 static void test_lets(void)
 {
@@ -343,7 +334,7 @@ static void test_lets_refused(void)
         {"mu = 0.2", "mu = [1, 2]", "let.mu: a number, true, false, a word or an expression expected"},
         {"let =", "lets =", "unknown key"}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
-        grains_refused(changed(cases[k][0], cases[k][1]), NULL, cases[k][2]);
+        grains_refused(check_changed(scene_text, cases[k][0], cases[k][1]), NULL, cases[k][2]);
     grains_refused(scene_text, &(rp_texts){1, {"D=7"}}, "let.D: D = 7: out of range");
 }
 

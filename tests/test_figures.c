@@ -314,11 +314,10 @@ static bool check_line(const char *words)
  * axes' formats have them. */
 static void copy_figures(void)
 {
-    CU_ASSERT_FATAL(
-        shell("for f in $(cd \"$OLDPWD\" && ls figures/*.gp figures/*/*.gp); do mkdir -p ${f%/*}; sed -e '/^ "
-              "*set format/d' -e 's/yerrorlines/yerrorbars/' -e 's/with circles .*, \\\\$/with yerrorbars "
-              "notitle, \\\\/' -e 's/with circles .*[^\\\\]$/with yerrorbars notitle/' \"$OLDPWD/$f\" >$f; "
-              "done >out 2>err") == 0);
+    CU_ASSERT_FATAL(shell("for f in $(cd \"$OLDPWD\" && ls figures/*.gp figures/*/*.gp); do mkdir -p "
+                          "${f%/*}; sed -e '/^ *set format/d' -e 's/yerrorlines/yerrorbars/' -e 's/with "
+                          "circles .*, \\\\$/with yerrorbars notitle, \\\\/' -e 's/with circles "
+                          ".*[^\\\\]$/with yerrorbars notitle/' \"$OLDPWD/$f\" >$f; done >out 2>err") == 0);
 }
 
 /* Draw a figure of gnuplot into a table, and as it is. */

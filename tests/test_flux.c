@@ -2,7 +2,6 @@
 #include <gsl/gsl_cdf.h>
 
 #include "experiment/modules/module.h"
-#include "stats/stats.h"
 #include "tests/numbers.h"
 #include "tests/protocol.h"
 #include "tests/program.h"

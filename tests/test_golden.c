@@ -192,11 +192,10 @@ static void test_fingerprints(void)
         CHECK_OK((*p)->fingerprint(digits));
         n++;
         if (strcmp(digits, FINGERPRINT) != 0)
-            fprintf(
-                stderr,
-                "protocol %s: fingerprint %s, expected %s.\nIts stored runs are lost: if that is meant, put "
-                "the new one into %s.\n",
-                (*p)->name, digits, FINGERPRINT, __FILE__);
+            fprintf(stderr,
+                    "protocol %s: fingerprint %s, expected %s.\nIts stored runs are lost: if that is meant, "
+                    "put the new one into %s.\n",
+                    (*p)->name, digits, FINGERPRINT, __FILE__);
         CU_ASSERT_STRING_EQUAL(digits, FINGERPRINT);
     }
     CU_ASSERT(n == 1);
@@ -219,9 +218,8 @@ static void test_scene(void)
     CHECK_OK(dem_run(sim, 500));
     CU_ASSERT_FATAL(dem_count(sim) == N);
     CU_ASSERT(grains_counts(sim).contacts > N); /* not grains in free fall */
-    dem_state states[N];
     double values[N][6];
-    CHECK_OK(dem_states(sim, states));
+    scoped dem_state *states = grains_states(sim);
     for (int i = 0; i < N; i++) {
         const dem_state *s = &states[i];
         memcpy(values[i], (double[]){s->x, s->y, s->vx, s->vy, s->fx, s->fy}, sizeof values[i]);

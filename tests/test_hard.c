@@ -1,6 +1,5 @@
 /* Hard collisions: conservation, energy, Coulomb's law, over random pairs; the paper's misprints. */
 #include "dem/dem.h"
-#include "dem/law/bodies.h"
 #include "tests/check.h"
 #include "tests/numbers.h"
 

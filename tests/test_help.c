@@ -6,11 +6,9 @@
 #include "params/expression.h"
 #include "params/units.h"
 #include "core/version.h"
-#include "dem/scene/scene.h"
 #include "experiment/experiment.h"
 #include "report/pages.h"
 #include "sweeps/engine/experiment.h"
-#include "dem/scene/text.h"
 #include "tests/program.h"
 
 /* ---- a text line by line ---- */
@@ -178,19 +176,16 @@ static void test_help(void)
     static const char *const same[][2] = {
         {"", "80"}, {"0", "80"}, {"-3", "80"}, {"59", "60"}, {"111", "110"}};
     for (size_t k = 0; k < sizeof same / sizeof *same; k++)
-        CU_ASSERT(
-            shell_line(
-                "for c in '%s' %s; do COLUMNS=$c \"$REPOSE\" calibrate --help >help_$c 2>err; done; cmp "
-                "help_%s help_%s >out",
-                same[k][0], same[k][1], same[k][0], same[k][1]) == 0);
+        CU_ASSERT(shell_line("for c in '%s' %s; do COLUMNS=$c \"$REPOSE\" calibrate --help >help_$c 2>err; "
+                             "done; cmp help_%s help_%s >out",
+                             same[k][0], same[k][1], same[k][0], same[k][1]) == 0);
     /* that of a terminal, but for COLUMNS */
     if (shell("script -qec true typed </dev/null >out 2>err") != 0)
         fprintf(stderr, "help: no terminal of script(1): its width is not tested\n");
     else
-        SHELL("export REPOSE; script -qec 'stty cols 100; $REPOSE calibrate --help; "
-              "COLUMNS=70 $REPOSE calibrate --help' typed </dev/null >out; tr -d '\\r' <out "
-              ">said; for c in 100 70; do COLUMNS=$c \"$REPOSE\" calibrate --help; done "
-              ">wanted; cmp said wanted >out");
+        SHELL("export REPOSE; script -qec 'stty cols 100; $REPOSE calibrate --help; COLUMNS=70 $REPOSE "
+              "calibrate --help' typed </dev/null >out; tr -d '\\r' <out >said; for c in 100 70; do "
+              "COLUMNS=$c \"$REPOSE\" calibrate --help; done >wanted; cmp said wanted >out");
 }
 
 /* Where help says an order, it is that of the output. */

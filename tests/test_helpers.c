@@ -343,8 +343,7 @@ static void test_solved_pile(void)
     scoped_sim *sim = grains_start(&def);
     solved_pile_load(sim, 40);
     CU_ASSERT_EQUAL(dem_step(sim), 40);
-    scoped dem_state *states = calloc(pile.n, sizeof *states);
-    CHECK_OK(dem_states(sim, states));
+    scoped dem_state *states = grains_states(sim);
     double fy = 0.0, floor = 0.0;
     for (size_t i = 0; i < pile.n; i++) fy += states[i].fy;
     double forces[2 * DEM_FEW_WALLS] = {0};

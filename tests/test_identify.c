@@ -5,7 +5,6 @@
 #include <gsl/gsl_sort.h>
 
 #include "check.h"
-#include "core/arena.h"
 #include "core/random.h"
 #include "stats/identify.h"
 #include "stats/stats.h"

@@ -227,13 +227,12 @@ static void check_completion(void)
                                            {"lattice --layers ", ""},
                                            {"sweep plan sweeps/l", ""}};
     for (size_t i = 0; i < sizeof typed / sizeof *typed; i++) {
-        const char *text = check_text(
-            "bash -c 'source $PREFIX/share/bash-completion/completions/repose; words=\"repose %s\"; "
-            "COMP_WORDS=($words); [ \"${words%% }\" = \"$words\" ] || COMP_WORDS+=(\"\"); "
-            "COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _repose; echo \"${COMPREPLY[*]}\"'",
-            typed[i][0]);
         const char *expected = check_text("%s\n", typed[i][1]);
-        PASSES(text);
+        PASSES(
+            check_text("bash -c 'source $PREFIX/share/bash-completion/completions/repose; words=\"repose "
+                       "%s\"; COMP_WORDS=($words); [ \"${words%% }\" = \"$words\" ] || COMP_WORDS+=(\"\"); "
+                       "COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _repose; echo \"${COMPREPLY[*]}\"'",
+                       typed[i][0]));
         CU_ASSERT_STRING_EQUAL(out, expected);
     }
 }

@@ -168,8 +168,7 @@ static void observed_force(void)
         grains_law(&def, law, 1.5e5, 500.0);
         scoped_sim *sim = grains_after(&def, 1);
         const dem_contact c = grains_only_contact(sim);
-        dem_state s[2];
-        CHECK_OK(dem_states(sim, s));
+        scoped dem_state *s = grains_states(sim);
         /* Verlet damps by the velocity of half a step before */
         const double m_eff = 0.002, v_n = s[1].vx - s[0].vx - 0.5 * def.dt * s[1].fx / m_eff,
                      law_force =
@@ -351,9 +350,8 @@ static void restitution_of_walls(void)
         dem_material given = dem_material_auto;
         if (choice == 1) given.restitution = 0.7;
         if (choice == 2) given.gamma_n = 123.0;
-        const dem_material wall = dem_wall_material(&given, &def.material);
         grains_on_floor(&def, 1, &grain);
-        def.walls[0].material = wall;
+        def.walls[0].material = dem_wall_material(&given, &def.material);
         scoped_sim *sim = grains_start(&def);
         const dem_material *floor = &sim->def.walls[0].material, *grains = &sim->def.material;
         CHECK_NEAR(dem_restitution(true, law->damping_ratio(grains->k_n, grains->gamma_n, 0.002)), 0.4,

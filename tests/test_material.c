@@ -104,8 +104,7 @@ static void hertz_impact(void)
                     continue;
                 }
                 if (begins == 0.0) begins = dem_time(sim);
-                const dem_contact c = grains_only_contact(sim);
-                deepest = fmax(deepest, c.overlap);
+                deepest = fmax(deepest, grains_only_contact(sim).overlap);
             }
             CHECK_NEAR(deepest / depth, 1.0, 1e-4);
             CHECK_NEAR((ends - begins) / time, 1.0, 3e-4);

@@ -1,7 +1,6 @@
 /* Motion of grains and walls: the Gear scheme, the rotating box, fixed grains, gravity set by a call. */
 #include "core/clock.h"
 #include "dem/setup/definition.h"
-#include "dem/state/method.h"
 #include "dem/state/state.h"
 #include "tests/grains.h"
 
@@ -178,8 +177,7 @@ static void make_lattice(double omega, dem_grain grains[IN_LATTICE])
 static void check_flight(const dem_sim *sim, const dem_grain grains[IN_LATTICE], double t)
 {
     const double g[2] = {-385.0, -981.0};
-    dem_state s[IN_LATTICE];
-    CHECK_OK(dem_states(sim, s));
+    scoped dem_state *s = grains_states(sim);
     for (int i = 0; i < IN_LATTICE; i++) {
         const dem_grain *from = &grains[i];
         const double moves = from->fixed ? 0.0 : t;
@@ -405,8 +403,7 @@ static void fixed_is_a_wall(void)
         dem_rest rest;
         CHECK_OK(dem_rest_state(on_grain, -1.0, 1.0, &rest));
         CU_ASSERT(rest.n == 1 && rest.net_force < 1e-3 * M * 981.0 && rest.contact_number == 1.0);
-        dem_energy energy;
-        dem_energies(on_grain, &energy);
+        const dem_energy energy = grains_energies(on_grain);
         CHECK_NEAR(energy.gravity, M * 981.0 * R, 1e-3 * M * 981.0);
     }
 }
@@ -449,8 +446,7 @@ static void fixed_stay(void)
         CHECK_OK(dem_run(sim, 4000));
         CHECK_OK(dem_run(copy, 4000));
         CU_ASSERT(grains_same_bits(sim, copy));
-        dem_state s[N + FIXED];
-        CHECK_OK(dem_states(sim, s));
+        scoped dem_state *s = grains_states(sim);
         for (int i = 0; i < FIXED; i++)
             CU_ASSERT(s[i].x == grains[i].x && s[i].y == -0.06 && s[i].vx == 0.0 && s[i].vy == 0.0 &&
                       s[i].fixed);
@@ -458,8 +454,7 @@ static void fixed_stay(void)
             CU_ASSERT(s[i].fixed == (i < FIXED));
             CU_ASSERT((s[i].omega != 0.0 || s[i].angle != 0.0) == (rotation && i >= FIXED));
         }
-        dem_energy energy;
-        dem_energies(sim, &energy);
+        const dem_energy energy = grains_energies(sim);
         CU_ASSERT(isfinite(energy.rotational) && (energy.rotational > 0.0) == rotation);
         CU_ASSERT(dem_count(sim) < N + FIXED);
         size_t n;

@@ -154,9 +154,8 @@ static void test_piles(void)
 static void test_disks(void)
 {
     static const double r[] = {0.5, 0.45, 0.4};
-    const double height = 0.5 + sqrt(0.9 * 0.9 - 0.45 * 0.45);
-    write_text("disks.tsv", "x\ty\tr\n0\t0.5\t%g\n0.95\t0.45\t%g\n0.45\t%.6f\t%g\n", r[0], r[1], height,
-               r[2]);
+    write_text("disks.tsv", "x\ty\tr\n0\t0.5\t%g\n0.95\t0.45\t%g\n0.45\t%.6f\t%g\n", r[0], r[1],
+               0.5 + sqrt(0.9 * 0.9 - 0.45 * 0.45), r[2]);
     run("pile --disks disks.tsv --eps 1e-3");
     scoped_table t = read_table("out");
     double weight = 0.0, N = 0.0;

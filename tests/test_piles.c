@@ -4,7 +4,6 @@
 #include <gsl/gsl_statistics_double.h>
 
 #include "experiment/modules/module.h"
-#include "stress/stress.h"
 #include "sweeps/protocols/pile.h"
 #include "tests/protocol.h"
 #include "tests/program.h"

@@ -4,7 +4,6 @@
 #include "analytic/analytic.h"
 #include "angle/angle.h"
 #include "statics/equilibrium.h"
-#include "dem/law/bodies.h"
 #include "tests/grains.h"
 #include "tests/property.h"
 
@@ -89,10 +88,9 @@ static double continuum_balance(const double x[])
         return NAN;
     const double weight = corner.N * x_c + (corner.N + middle.N) * (0.5 - x_c);
     const double slope = left.N - corner.N * fmin(1.0, fmin(x[1], 1.0 - x[1]) / x_c);
-    const double rounding = 8.0 * DBL_EPSILON;
     return LARGEST(fabs(left.H + right.H), fabs(left.N - right.N), fabs(middle.H),
                    fabs(weight - tan(alpha) / (2.0 * sqrt(3.0))), fabs(slope) / (1.0 + 1.0 / x_c)) /
-           rounding;
+           (8.0 * DBL_EPSILON);
 }
 
 /* An outline of five edges over [0, 1]; the middle one may have its ends at any height. */
@@ -120,10 +118,9 @@ static double chords_end_on_outline(const double x[])
         an_profile_height(&p, fmin(1.0, x[2] + 0.5 * l[1]), &y[1]))
         return NAN;
     /* the smallest difference of slopes is that of 60 and 55 degrees, 0.3 */
-    const double rounding = 16.0 * DBL_EPSILON;
     return LARGEST(fabs(y[0] - l[0] * sqrt(0.75)), fabs(y[1] - l[1] * sqrt(0.75)),
                    fabs(f.N - 0.5 * (l[0] + l[1])), fabs(f.H - (l[0] - l[1]) / sqrt(12.0))) /
-           rounding;
+           (16.0 * DBL_EPSILON);
 }
 
 /* A triangle with one more vertex anywhere on each flank, in any unit, against (54)-(59). */
@@ -136,8 +133,7 @@ static double triangle_as_outline(const double x[])
     an_force f, g;
     const double at = fmin(from + unit * x[1], v[4].x);
     if (an_profile_set(&p, v, 5) || an_profile_force(&p, at, &f) || an_continuum(alpha, x[1], &g)) return NAN;
-    const double rounding = 32.0 * DBL_EPSILON * (1.0 + fabs(from) / unit);
-    return larger(fabs(f.N - g.N), fabs(f.H - g.H)) / rounding;
+    return larger(fabs(f.N - g.N), fabs(f.H - g.H)) / (32.0 * DBL_EPSILON * (1.0 + fabs(from) / unit));
 }
 
 /* ---- tilt and slopes ---- */

@@ -78,8 +78,7 @@ static void test_bond_order(void)
     g[2] = (dem_state){.x = sqrt(2.0), .y = sqrt(2.0), .r = 1.0};
     g[3] = (dem_state){.x = -2.52, .r = 1.0};
     g[4] = (dem_state){.y = -2.0, .r = 1.0, .fixed = true};
-    const double apart = hypot(2.48 - sqrt(2.0), sqrt(2.0));
-    CU_ASSERT(apart < 2.5); /* so they touch one another as well */
+    CU_ASSERT(hypot(2.48 - sqrt(2.0), sqrt(2.0)) < 2.5); /* so they touch one another as well */
     const double angle = atan2(sqrt(2.0), 2.48 - sqrt(2.0));
     CHECK_NEAR(exp_bond_order(5, g, NULL, NULL),
                (sqrt(0.5) + fabs(cos(3.0 * angle)) + fabs(cos(3.0 * (M_PI - angle - 0.25 * M_PI)))) / 3.0,
@@ -175,12 +174,11 @@ static void test_frictions(void)
 /* The box by a second way, to the steps at which the run has its pile, equal in every bit. */
 static void box_again(const sweep_result *result, double W, dem_sim **sim)
 {
-    dem_state states[256];
     const double steps[] = {output(result, "fill_steps_used"), output(result, "relax_steps_used")};
     protocol_box(W, W, 0, steps, sim);
     scoped_table t = read_table("t/pile_grains.tsv");
     CU_ASSERT_FATAL(dem_count(*sim) <= 256 && dem_count(*sim) == t.n_rows);
-    CHECK_OK(dem_states(*sim, states));
+    scoped dem_state *states = grains_states(*sim);
     for (size_t i = 0; i < t.n_rows; i++)
         CU_ASSERT(cell(&t, i, "x") == states[i].x && cell(&t, i, "y") == states[i].y);
 }
@@ -340,8 +338,7 @@ static void check_pile(const sweep_result *result, double W)
         energy += 0.5 * cell(&t, i, "m") * (vx * vx + vy * vy);
         if (cell(&t, i, "contacts") > 0.0) force = fmax(force, hypot(cell(&t, i, "fx"), cell(&t, i, "fy")));
     }
-    const double contacts = contact_number("pile", W, &n_pile);
-    CHECK_NEAR(output(result, "contact_number"), contacts, round_off);
+    CHECK_NEAR(output(result, "contact_number"), contact_number("pile", W, &n_pile), round_off);
     contact_number("filled", W, &n_full);
     CU_ASSERT(output(result, "grains") == (double)n_pile && n_pile < n_full);
     CHECK_NEAR(output(result, "residual_energy") / (energy / (double)n_pile / (mg * 0.2)), 1.0, round_off);
@@ -367,9 +364,8 @@ static void check_pile(const sweep_result *result, double W)
 static size_t moved(const dem_sim *sim, size_t n, const dem_state at[], double W, double angle, double reach,
                     int contacts, size_t *n_pile)
 {
-    dem_state now[256];
     size_t count = 0, j = 0;
-    CHECK_OK(dem_states(sim, now));
+    scoped dem_state *now = grains_states(sim);
     *n_pile = 0;
     for (size_t i = 0; i < n; i++) {
         if (!(at[i].x > 0.0 && at[i].x < W)) continue;
@@ -400,11 +396,10 @@ static void turn(dem_sim *sim, const tilting *t, double deg_per_step)
  * half degree tenfold and 1e-5 m g d. */
 static void onset(dem_sim *sim, const tilting *t, double *displacement, double *energy)
 {
-    dem_state at[256];
     const size_t n = dem_count(sim);
     const long from = dem_step(sim), every = lround(fmin(10.0, 0.01 / t->deg_per_step));
     double sway = 0.0;
-    CHECK_OK(dem_states(sim, at));
+    scoped dem_state *at = grains_states(sim);
     turn(sim, t, t->deg_per_step);
     *displacement = *energy = NAN;
     while (isnan(*displacement) || isnan(*energy)) {
@@ -427,10 +422,9 @@ static void onset(dem_sim *sim, const tilting *t, double *displacement, double *
 /* The last tenth of a degree before a grain with two contacts or more moves by 0.5 d, at rest after each. */
 static double static_onset(dem_sim *sim, const tilting *t)
 {
-    dem_state at[256];
     const size_t n = dem_count(sim);
     const double mg = dem_mass(DEM_SPHERE, 1.0, 0.1) * 981.0;
-    CHECK_OK(dem_states(sim, at));
+    scoped dem_state *at = grains_states(sim);
     for (int tenths = 1; tenths <= 600; tenths++) {
         turn(sim, t, t->deg_per_step);
         CHECK_OK(dem_run(sim, lround(0.1 / t->deg_per_step)));

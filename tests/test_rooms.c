@@ -24,10 +24,9 @@ static void plant(void)
 /* What it says of the tree, "" for nothing. */
 static void check_says(const char *expected)
 {
-    const int status =
-        shell_line("for f in src/*/*.c; do gcc -Isrc -c $f -o build/obj/${f%%.c}.o || exit 9; done; "
-                   "python3 %s build >out 2>err",
-                   script);
+    const int status = shell_line("for f in src/*/*.c; do gcc -Isrc -c $f -o build/obj/${f%%.c}.o || exit 9; "
+                                  "done; python3 %s build >out 2>err",
+                                  script);
     CU_ASSERT_EQUAL(status, *expected != '\0');
     CU_ASSERT_STRING_EQUAL(out, expected);
     leave();

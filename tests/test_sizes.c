@@ -15,8 +15,7 @@ static dem_definition mixture(long n, double ratio, unsigned long seed, double *
     double area = 4.0;
     dem_grain *g = *grains = calloc((size_t)n, sizeof *g);
     for (long i = 0; i < n; i++) {
-        const double part = (double)i / (double)n;
-        g[i].r = 1.0 / sqrt(1.0 + part * (ratio * ratio - 1.0));
+        g[i].r = 1.0 / sqrt(1.0 + (double)i / (double)n * (ratio * ratio - 1.0));
         area += g[i].r * g[i].r;
     }
     *width = sqrt(2.0 * M_PI * area);

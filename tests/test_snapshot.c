@@ -14,7 +14,6 @@
 #include <xxhash.h>
 
 #include "core/clock.h"
-#include "core/snapshot.h"
 #include "sweeps/engine/keep.h"
 #include "tests/faults.h"
 #include "tests/grains.h"
@@ -542,8 +541,7 @@ static void stop_at_once(const sweep_protocol *protocol, const void *params)
     static const volatile bool stop = true;
     char why[32];
     sweep_result result;
-    const char *path = path_of("snapshot");
-    sweep_keep keep = {.path = path, .key = "test", .interval = INFINITY, .stop = &stop};
+    sweep_keep keep = {.path = path_of("snapshot"), .key = "test", .interval = INFINITY, .stop = &stop};
     sweep_keep_begin(&keep, why, sizeof why);
     CU_ASSERT(protocol->run(params, 7, 1, &(sweep_tables){.keep = &keep}, &result) == RP_STOPPED);
     sweep_keep_end(&keep, false);

@@ -1,6 +1,5 @@
 /* Soft particles on a ground, and how hard collisions become soft contacts: against closed forms. Lengths in
  * diameters, masses in those of a disk, g = 1. */
-#include "dem/law/bodies.h"
 #include "dem/law/law.h"
 #include "tests/grains.h"
 
@@ -108,8 +107,7 @@ static void well_of_the_start(void)
     scoped_sim *sim = grains_after(&def, 8000);
     const dem_contact held = grains_only_contact(sim);
     const dem_state s = grains_state_of_one(sim);
-    dem_energy energy;
-    dem_energies(sim, &energy);
+    const dem_energy energy = grains_energies(sim);
     const double well = 0.5 * MU_STATIC * held.normal_force / A * held.shear_spring * held.shear_spring;
     CHECK_NEAR(energy.elastic, 0.5 * K * held.overlap * held.overlap + well, 1e-15);
     CU_ASSERT(held.well == DEM_WELL_HOLDS && held.shear_spring > 0.3 * A);
@@ -135,8 +133,7 @@ static void energy_of_well(void)
         def.ground.set = DEM_WELL_TOUCH;
         scoped_sim *sim = grains_start(&def);
         const double before = grains_energy(sim), error = pow(omega * def.dt, 2.0);
-        const long period = lround(2.0 * M_PI / (omega * def.dt));
-        for (long step = 1; step <= period; step++) {
+        for (long step = 1; step <= lround(2.0 * M_PI / (omega * def.dt)); step++) {
             CHECK_OK(dem_run(sim, 1));
             if (leaves) continue;
             const double t = (double)step * def.dt;
@@ -184,8 +181,7 @@ static void slip_is_viscous_then_capped(void)
     dem_definition def = on_ground(&grain, 1);
     def.ground.wall = 0, def.material.mu = def.walls[0].material.mu = 10.0;
     scoped_sim *sim = grains_after(&def, 500);
-    const double fade = exp(-5.0);
-    CHECK_NEAR(grains_state_of_one(sim).vx / (0.7 * fade), 1.0,
+    CHECK_NEAR(grains_state_of_one(sim).vx / (0.7 * exp(-5.0)), 1.0,
                0.6 * 25.0 * def.dt); /* gamma^2 dt t/2, t = 1 */
     def.walls[0].material.mu = 0.1;
     grains_again(&sim, &def, 500);
@@ -478,8 +474,7 @@ static void fixed_stay_to_the_bit(void)
         def.n_walls = def.ground.wall = 0, def.kernel = kernel;
         def.hard = (dem_hard){true, 1.0, 0.0};
         scoped_sim *sim = grains_after(&def, 3);
-        dem_state states[N];
-        CHECK_OK(dem_states(sim, states));
+        scoped dem_state *states = grains_states(sim);
         for (int i = 0; i < N - 1; i++) CU_ASSERT(states[i].y == 0.0 && signbit(states[i].y));
         CU_ASSERT(states[N - 1].y < 0.0);
     }
@@ -523,8 +518,7 @@ static void touching_is_no_contact(void)
         dem_definition def = on_ground(grains, 2);
         def.kernel = kernel, def.gravity[1] = 0.0;
         scoped_sim *sim = grains_start(&def);
-        dem_state s[2];
-        CHECK_OK(dem_states(sim, s));
+        scoped dem_state *s = grains_states(sim);
         CU_ASSERT(s[0].contacts == 0 && s[0].fy == 0.0 && s[1].fy == 0.0);
     }
 }

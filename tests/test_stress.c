@@ -105,8 +105,7 @@ static void test_column(void)
         /* the force through each height, averaged over the cell by a separate fine sum */
         double lo = j * grid.dy, mean = 0.0;
         for (int i = 0; i < N; i++) {
-            double part = fmin(c[i].y, lo + grid.dy) - fmax(c[i].y_b, lo);
-            mean += fmax(part, 0.0) * c[i].fy / grid.dy;
+            mean += fmax(fmin(c[i].y, lo + grid.dy) - fmax(c[i].y_b, lo), 0.0) * c[i].fy / grid.dy;
         }
         CHECK_NEAR(s[j].yy, mean / grid.dx, tight);
         CU_ASSERT(s[j].xx == 0.0 && s[j].xy == 0.0 && s[j].yx == 0.0);
@@ -235,11 +234,10 @@ static void test_momentum(void)
     scoped_sim *sim = make_box();
     scoped stress_contact *c = NULL;
     const size_t n = read_contacts(sim, &c);
-    dem_state states[GRAINS];
     stress_tensor s[NX * NY];
     double total[2][2] = {{0.0}}, sum[2][2] = {{0.0}};
     CU_ASSERT_FATAL(dem_count(sim) == GRAINS);
-    CHECK_OK(dem_states(sim, states));
+    scoped dem_state *states = grains_states(sim);
     CHECK_OK(stress_cells(n, c, &grid, s));
     /* forces up to 1e3, positions up to 2, some 20 terms per cell */
     const double rounding = 1e-9;

@@ -844,9 +844,8 @@ static void test_kinds(void)
     view_svg("static --base");
     CU_ASSERT(n_circles == 2 * 15);
     SHELL("grep -q 'y (sigma)' a.svg && grep -q 'pressure (m g/sigma)' a.svg");
-    write_text("r.cfg",
-               "protocol = \"repose\"; fixed = { W = 1.0; H = 1.0; fill_steps = 100; stop = \"steps\"; "
-               "relax_steps = 100; };\ngrid = { mu = [0.1]; };\n");
+    write_text("r.cfg", "protocol = \"repose\"; fixed = { W = 1.0; H = 1.0; fill_steps = 100; stop = "
+                        "\"steps\"; relax_steps = 100; };\ngrid = { mu = [0.1]; };\n");
     CU_ASSERT(run("run r.cfg -o stages") <= 1);
     GOOD("view stages -o a.gif"); /* the ends of phases */
     SHELL("LC_ALL=C grep -aob \"$(printf '\\041\\371\\004')\" a.gif | wc -l | grep -qx 5");
@@ -997,12 +996,11 @@ static void test_closing_line(void)
     CU_ASSERT(strstr(err, ", over x = 0 to 2.4 cm (method 3); tables in d\n") != NULL);
     GOOD("run stairs.cfg -o d --force --quiet");
     CU_ASSERT_STRING_EQUAL(err, "");
-    write_text(
-        "open.cfg",
-        "steps = 10; walls = ( { point = [0.0, -3.0]; direction = [0.0, 1.0]; }, { point = [2.0, 0.0]; "
-        "direction = [-1.0, 0.0]; open_at_step = 5; }, { point = [0.6, 0.0]; direction = [1.0, 0.0]; "
-        "} ); particles = ( %s );\n",
-        grains);
+    write_text("open.cfg",
+               "steps = 10; walls = ( { point = [0.0, -3.0]; direction = [0.0, 1.0]; }, { point = [2.0, "
+               "0.0]; direction = [-1.0, 0.0]; open_at_step = 5; }, { point = [0.6, 0.0]; direction = [1.0, "
+               "0.0]; } ); particles = ( %s );\n",
+               grains);
     write_text("level.cfg",
                "steps = 10; %s particles = ( { x = 0.3; y = 0.1; r = 0.1; fixed = true; }, { x = "
                "0.6; y = 0.1; r = 0.1; fixed = true; } );\n",

@@ -1,6 +1,5 @@
 /* Walls that move, and walls of many sides: closed forms, changes of frame, corners, and equal bits. */
 #include "core/random.h"
-#include "core/snapshot.h"
 #include "dem/setup/definition.h"
 #include "dem/forces/forces.h"
 #include "tests/grains.h"
@@ -354,8 +353,7 @@ static void inside(void)
             "= 0.06;\n"
             "radius_min = 0.05; radius_max = 0.07; };\n",
             shapes[k]);
-        dem_state s[24];
-        CHECK_OK(dem_states(sim, s));
+        scoped dem_state *s = grains_states(sim);
         for (size_t i = 0; i < dem_count(sim); i++) {
             int crossings = 0; /* of a ray to the right with the sides */
             for (size_t w = 0; w < sim->def.n_walls; w++) {
@@ -457,8 +455,7 @@ static void landing_on_a_joint(void)
         dem_definition def = grains_floored(1, &grain);
         def.n_walls = 2;
         for (int w = 0; w < 2; w++) {
-            const bool left = (w == 0) == (k < 5);
-            def.walls[w] = grains_line(left ? -1.0 : 0.0, 0.0, 0.0, 1.0, &def.material);
+            def.walls[w] = grains_line((w == 0) == (k < 5) ? -1.0 : 0.0, 0.0, 0.0, 1.0, &def.material);
             def.walls[w].extent[0] = 0.0, def.walls[w].extent[1] = 1.0;
         }
         scoped_sim *sim = grains_after(&def, 240);
@@ -619,8 +616,7 @@ static void check_joint(dem_sim *sim, double turn, double x, double y)
         const double distance = corner ? hypot(x, y) : fabs(above[w]), foot = corner ? 0.0 : along[w];
         dem_wall_slot *slot = &sim->walls.slot[w];
         dem_touch touch;
-        const bool got = dem_wall_touch(sim, slot, &touch) && !dem_wall_yields(sim, slot, &touch);
-        CU_ASSERT_EQUAL(got, has);
+        CU_ASSERT_EQUAL(dem_wall_touch(sim, slot, &touch) && !dem_wall_yields(sim, slot, &touch), has);
         if (!has) continue;
         CHECK_NEAR(touch.overlap, R - distance, 1e-15);
         CHECK_NEAR(touch.normal[0], (x - foot * tangent[w][0]) / distance, 1e-14 / distance);

@@ -27,15 +27,8 @@ static inline void write_trial(const char *name, const char *text)
     write_text(name, "%s", made);
 }
 
-/* The text with another part in place of the first `from`. Free it. */
-static inline char *changed(const char *text, const char *from, const char *to)
-{
-    const char *at = strstr(text, from);
-    char *made = malloc(strlen(text) + strlen(to) + 1);
-    CU_ASSERT_PTR_NOT_NULL_FATAL(at);
-    sprintf(made, "%.*s%s%s", (int)(at - text), text, to, at + strlen(from));
-    return made;
-}
+/* As of check_changed. Free it. */
+#define changed(text, from, to) strdup(check_changed(text, from, to))
 
 static inline rp_status read_text(trial *t, const char *text)
 {
@@ -86,8 +79,7 @@ static inline void check_refused(size_t n, const trial_change changes[])
 {
     for (const trial_change *c = changes; c < changes + n; c++) {
         scoped_trial t;
-        scoped char *text = changed(c->text, c->from, c->to);
-        rp_status status = read_text(&t, text);
+        rp_status status = read_text(&t, check_changed(c->text, c->from, c->to));
         if (!status) status = exp_check(t.plan);
         CHECK_FAILS_IF(c->expected, status, RP_BAD_INPUT, c->expected);
     }
@@ -96,9 +88,7 @@ static inline void check_refused(size_t n, const trial_change changes[])
 static inline void check_ends(size_t n, const trial_change changes[])
 {
     for (const trial_change *c = changes; c < changes + n; c++) {
-        scoped_trial t;
-        scoped char *text = changed(c->text, c->from, c->to);
-        run_whole(&t, text, 100000, c->expected);
+        RUN_TRIAL(t, check_changed(c->text, c->from, c->to), 100000, c->expected);
     }
 }
 
@@ -106,9 +96,8 @@ static inline void check_keys(size_t n, const trial_change changes[])
 {
     for (const trial_change *c = changes; c < changes + n; c++) {
         scoped_trial a, b;
-        scoped char *text = changed(c->text, c->from, c->to);
         CHECK_OK(read_text(&a, c->text));
-        CHECK_OK(read_text(&b, text));
+        CHECK_OK(read_text(&b, check_changed(c->text, c->from, c->to)));
         scoped char *key = exp_key(a.plan), *now = exp_key(b.plan);
         const char *is = strcmp(key, now) == 0 ? "same" : "another";
         if (strcmp(is, c->expected) != 0) fprintf(stderr, "key of %s: %s\n", c->to, is);

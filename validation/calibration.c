@@ -59,7 +59,7 @@ static void test_found_again(void)
 {
     const int cases = check_full() ? 10 : 1;
     scoped_rng *rng = rp_random_alloc(39, 3, RP_PURPOSE_TEST);
-    FILE *table = check_table("calibration", "names, case, parameter, truth, value, lower, upper, status");
+    CHECK_TABLE(table, "calibration", "names, case, parameter, truth, value, lower, upper, status");
     int inside = 0, near = 0, n = 0;
     write_text("impact.cfg", "%s", impact);
     for (size_t names = 1; names <= (check_full() ? NAMES : 1); names++)
@@ -87,7 +87,6 @@ static void test_found_again(void)
     /* 95 % of 60, less four standard errors; of one, within three half-widths */
     CU_ASSERT(near >= n - n / 30 && (n < 50 || inside >= 50));
     fprintf(stderr, "calibration: %d of %d intervals hold the truth\n", inside, n);
-    check_table_close(table, "calibration");
 }
 
 CHECK_SUITE_WITHIN(calibration, "calibration", enter, leave, test_found_again)

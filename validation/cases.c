@@ -44,9 +44,9 @@ int case_stride(int daily)
 
 void case_write(const char *suite, case_problem *const problems[], size_t n)
 {
-    const char *name = check_text("%s_cases", suite);
-    FILE *out = check_table(suite, NULL),
-         *cases = check_table(name, "problem, parameters, quantity, expected, observed, error, bound");
+    CHECK_TABLE(out, suite, NULL);
+    CHECK_TABLE(cases, check_text("%s_cases", suite),
+                "problem, parameters, quantity, expected, observed, error, bound");
     for (size_t i = 0; i < n && out; i++) {
         rp_table_note(out, check_text("source_%s", problems[i]->problem), "%s", problems[i]->source);
         rp_table_note(out, check_text("bound_%s", problems[i]->problem), "%s", problems[i]->bound);
@@ -65,6 +65,4 @@ void case_write(const char *suite, case_problem *const problems[], size_t n)
         p->text = NULL;
         p->rows = NULL;
     }
-    check_table_close(out, suite);
-    check_table_close(cases, name);
 }

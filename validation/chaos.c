@@ -107,8 +107,8 @@ static void growth_rate(void)
     } groups[] = {{5e-5, 1e-15}, {2.5e-5, 1e-15}, {5e-5, 1e-12}};
     enum { SEEDS = 12, GROUPS = sizeof groups / sizeof *groups };
     double rates[GROUPS], errors[GROUPS];
-    FILE *out = check_table("chaos", "dt [s], shift [cm], seed, t [s], distance [d]"),
-         *fits = check_table("chaos_fit", "dt [s], shift [cm], n, rate [1/s], rate_se [1/s], doubling [s]");
+    CHECK_TABLE(out, "chaos", "dt [s], shift [cm], seed, t [s], distance [d]");
+    CHECK_TABLE(fits, "chaos_fit", "dt [s], shift [cm], n, rate [1/s], rate_se [1/s], doubling [s]");
     for (int i = 0; i < GROUPS && check_full(); i++) {
         double rate[SEEDS];
         for (int seed = 0; seed < SEEDS; seed++) {
@@ -124,8 +124,6 @@ static void growth_rate(void)
                    groups[i].shift > groups[0].shift ? 0.25 * rates[0] : 4.0 * hypot(errors[i], errors[0]));
         CHECK_ROW(fits, NULL, groups[i].dt, groups[i].shift, SEEDS, rates[i], errors[i], M_LN2 / rates[i]);
     }
-    check_table_close(out, "chaos");
-    check_table_close(fits, "chaos_fit");
 }
 
 /* Piles of a sweep have the same digest from one, two and five workers. */
@@ -134,9 +132,8 @@ static void any_number_of_workers(void)
     char base[FOLDER_PATH], digests[3][33];
     folder_make("chaos", base);
     const char *file = folder_path(base, "s.cfg");
-    file_print(
-        file, "protocol = \"repose\"; replicas = 4; seed = 7; fixed = { W = 1.0; H = 1.0; fill_steps = 2000; "
-              "stop = \"steps\"; relax_steps = 2000; }; grid = { mu = [0.1, 0.3]; };");
+    file_print(file, "protocol = \"repose\"; replicas = 4; seed = 7; fixed = { W = 1.0; H = 1.0; fill_steps "
+                     "= 2000; stop = \"steps\"; relax_steps = 2000; }; grid = { mu = [0.1, 0.3]; };");
     for (int k = 0; k < 3; k++) {
         const char *dir = folder_path(base, (const char *[]){"0", "1", "2"}[k]);
         sweep_counts counts;

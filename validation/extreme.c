@@ -4,7 +4,6 @@
 #include "angle/angle.h"
 #include "core/clock.h"
 #include "dem/law/law.h"
-#include "dem/state/method.h"
 #include "dem/state/state.h"
 #include "tests/grains.h"
 #include "tests/program.h"
@@ -273,8 +272,7 @@ static void start_overlaps(void)
                 const double m_eff = wall ? M : 0.5 * M, k = law == DEM_HERTZ ? 1.5e6 * sqrt(overlap) : 1e6;
                 def.dt = 0.01 / sqrt(k / m_eff);
                 grains_again(&sim, &def, 1000);
-                dem_energy e;
-                dem_energies(sim, &e);
+                const dem_energy e = grains_energies(sim);
                 number("initial overlap", e.kinetic, energy, energy, 1e-3);
             }
 }
@@ -454,9 +452,8 @@ static double most_energy(dem_sim *sim, long steps)
 {
     double most = 0.0;
     for (long part = 0; part < 50; part++) {
-        dem_energy e;
         if (dem_run(sim, steps / 50) != RP_OK) return NAN;
-        dem_energies(sim, &e);
+        const dem_energy e = grains_energies(sim);
         most = fmax(most, e.kinetic + e.elastic);
     }
     return most;
@@ -475,10 +472,9 @@ static double turn_box(dem_sim *sim, bool box, double angle, long resting)
 /* Mass of the grains, and their number inside the closed box. */
 static double mass_within(const dem_sim *sim, size_t *within)
 {
-    dem_state states[MANY];
     double mass = 0.0;
     *within = 0;
-    CHECK_OK(dem_states(sim, states));
+    scoped dem_state *states = grains_states(sim);
     for (size_t i = 0; i < dem_count(sim); i++) {
         double x = states[i].x, y = states[i].y;
         dem_box_frame(sim, &x, &y);
@@ -897,14 +893,13 @@ static void run_scenes(void)
                      f++) {
                     PARAMETERS("%s, %s, gamma_n = %g, mu = %s", dem_normal_descriptors[law].name,
                                dem_schemes[scheme]->name, gamma, frictions[f]);
-                    write_text(
-                        "s.cfg",
-                        "integrator = \"%s\"; dt = 1.0e-14; steps = 20; normal = { law = \"%s\"; k_n = "
-                        "100.0; gamma_n = %.17e; }; tangential = { law = \"%s\"; mu = %s; }; walls = ( { "
-                        "point = [0.0, 0.0]; direction = [0.0, 1.0]; } ); particles = ( { x = 0.0; y = "
-                        "0.25; r = 0.1; vy = -1.0; } );",
-                        dem_schemes[scheme]->name, dem_normal_descriptors[law].name, gamma,
-                        scheme == DEM_IMPLICIT ? "none" : "spring", frictions[f]);
+                    write_text("s.cfg",
+                               "integrator = \"%s\"; dt = 1.0e-14; steps = 20; normal = { law = \"%s\"; k_n "
+                               "= 100.0; gamma_n = %.17e; }; tangential = { law = \"%s\"; mu = %s; }; walls "
+                               "= ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } ); particles = ( { x = "
+                               "0.0; y = 0.25; r = 0.1; vy = -1.0; } );",
+                               dem_schemes[scheme]->name, dem_normal_descriptors[law].name, gamma,
+                               scheme == DEM_IMPLICIT ? "none" : "spring", frictions[f]);
                     const int status = PROGRAM("%s", "run s.cfg");
                     scoped_table t = read_table("out");
                     const double vy = cell(&t, t.n_rows - 1, "vy");
@@ -920,8 +915,7 @@ static void million(void)
 {
     const size_t n = 1000000;
     scoped dem_grain *grains = malloc(n * sizeof *grains);
-    scoped dem_state *states = malloc(n * sizeof *states);
-    CU_ASSERT_FATAL(grains && states);
+    CU_ASSERT_FATAL(grains != NULL);
     for (size_t i = 0; i < n; i++)
         grains[i] =
             (dem_grain){.x = 0.25 * (double)(i % 1000), .y = 0.25 * (double)(i / 1000), .r = 0.125, .m = M};
@@ -930,7 +924,7 @@ static void million(void)
     def.dt = step_limit(&def);
     PARAMETERS("1000 x 1000 grains");
     scoped_sim *sim = grains_after(&def, 20);
-    CHECK_OK(dem_states(sim, states));
+    scoped dem_state *states = grains_states(sim);
     const double t = dem_time(sim);
     double most = 0.0;
     for (size_t i = 0; i < n; i++)
@@ -952,11 +946,10 @@ static void right_or_refused(void)
         soft_piles,      box_shapes,      run_scenes,      lines,     million};
     for (size_t k = 0; k < COUNT(kinds) - !check_full(); k++) kinds[k](); /* the last in full only */
     CU_ASSERT(n_cases >= 300);
-    check_table_close(table, "extreme");
+    check_table_close(&table);
     table = check_table("extreme_sums", "cases, right, refused, run_time [s]");
     if (table) fprintf(table, "%d\t%d\t%d\t%.3g\n", n_cases, n_right, n_refused, rp_clock() - start);
-    check_table_close(table, "extreme_sums");
-    table = NULL;
+    check_table_close(&table);
 }
 
 CHECK_SUITE_WITHIN(extreme, "validation: extreme cases", enter, leave, right_or_refused)

@@ -335,8 +335,7 @@ static void single_impacts(void)
 static void damping_range(void)
 {
     for (int law = DEM_HERTZ; law <= DEM_LINEAR; law++) {
-        const char *const name = law == DEM_HERTZ ? "impact_hertz" : "impact_linear";
-        FILE *out = check_table(name, NULL);
+        CHECK_TABLE(out, law == DEM_HERTZ ? "impact_hertz" : "impact_linear", NULL);
         if (!out) return;
         rp_table_note(out, "steps", "1000 per elastic contact time, at least 1000/(2 damping) per 1/gamma");
         rp_table_header(out, "damping [1], pulls_exact [1], pulls [1], pulls_error [1], pulls_bound [1], "
@@ -362,7 +361,6 @@ static void damping_range(void)
             }
             rp_table_row(out, 9, row);
         }
-        check_table_close(out, name);
     }
 }
 

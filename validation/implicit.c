@@ -87,7 +87,7 @@ static void energy_is_kept(void)
         if (c->exact) CHECK_NEAR(most[k], 0.0, walk(steps));
         if (c->integrator == DEM_VERLET && c->dt >= 0.1) CU_ASSERT(most[k] > 1e-5);
     }
-    FILE *out = check_table("implicit_energy", NULL);
+    CHECK_TABLE(out, "implicit_energy", NULL);
     if (out) {
         rp_table_columns(out, ENERGY_CASES + 1, (const char *const(*)[2])names);
         for (size_t m = 0; m < marks; m++) {
@@ -95,15 +95,13 @@ static void energy_is_kept(void)
             for (int k = 0; k < ENERGY_CASES; k++) row[k + 1] = error[k][m];
             rp_table_row(out, ENERGY_CASES + 1, row);
         }
-        check_table_close(out, "implicit_energy");
     }
-    out =
-        check_table("implicit_drift", "dt [contact times], tolerance [radius], steps, largest_error [start], "
-                                      "iterations [a step], case");
+    CHECK_TABLE(drift, "implicit_drift",
+                "dt [contact times], tolerance [radius], steps, largest_error [start], "
+                "iterations [a step], case");
     for (int k = 0; k < ENERGY_CASES; k++)
-        CHECK_ROW(out, energy_cases[k].name, energy_cases[k].dt, energy_cases[k].tolerance, (double)steps,
+        CHECK_ROW(drift, energy_cases[k].name, energy_cases[k].dt, energy_cases[k].tolerance, (double)steps,
                   most[k], iterations[k]);
-    check_table_close(out, "implicit_drift");
 }
 
 /* A disk on the floor oscillates more slowly than the exact solution: omega_eff = (2/dt) atan(omega dt/2). */
@@ -111,7 +109,7 @@ static void phase(void)
 {
     const double omega = sqrt(K), A = 0.6 / K;
     const long steps = check_full() ? 100000 : 5000;
-    FILE *out = check_table("implicit_phase", "omega_dt, omega_eff [omega], formula [omega], verlet [omega]");
+    CHECK_TABLE(out, "implicit_phase", "omega_dt, omega_eff [omega], formula [omega], verlet [omega]");
     for (int k = -6; k <= 6; k++) {
         const double angle = pow(10.0, 0.25 * k), formula = 2.0 / angle * atan(0.5 * angle);
         const dem_grain grain = {.x = 0.3, .y = R - 1.0 / K + A, .r = R, .m = 1.0};
@@ -132,7 +130,6 @@ static void phase(void)
         CHECK_NEAR(measured, formula, 1e-10 * formula);
         CHECK_ROW(out, NULL, angle, measured, formula, angle < 2.0 ? 2.0 / angle * asin(0.5 * angle) : NAN);
     }
-    check_table_close(out, "implicit_phase");
 }
 
 /* A full triangle of `base` disks on a fixed row, released without load. */
@@ -159,8 +156,8 @@ static void cost(void)
     static const double steps[] = {0.1, 1.0, 10.0};
     const long largest = check_full() ? 40 : 10;
     double before[3] = {0.0};
-    FILE *out = check_table("implicit_sweeps",
-                            "base [disks], dt [contact times], sweeps [a step], factorisations [a step]");
+    CHECK_TABLE(out, "implicit_sweeps",
+                "base [disks], dt [contact times], sweeps [a step], factorisations [a step]");
     for (long base = 5; base <= largest; base *= 2)
         for (int k = 0; k < 3; k++) {
             const double sweeps = cost_of(base, steps[k], DEM_SOLVER_SOR),
@@ -170,7 +167,6 @@ static void cost(void)
             if (k == 2) CU_ASSERT(sweeps > 1.5 * before[2]);
             before[k] = sweeps;
         }
-    check_table_close(out, "implicit_sweeps");
 }
 
 enum { CHAIN = 32 };
@@ -213,8 +209,8 @@ static void contraction(void)
 {
     static const double steps[] = {10.0, 100.0}, factors[] = {0.5, 0.7, 0.9, 1.0, 1.3, 1.9};
     const double loose = 1e-6, tight = 1e-12;
-    FILE *out = check_table("implicit_contraction", "disks, dt [contact times], relaxation, sweeps [a step], "
-                                                    "left [a sweep], theory [a sweep]");
+    CHECK_TABLE(out, "implicit_contraction",
+                "disks, dt [contact times], relaxation, sweeps [a step], left [a sweep], theory [a sweep]");
     for (long n = 2; n <= CHAIN; n *= 4)
         for (int k = 0; k < (check_fast() ? 1 : 2); k++)
             for (int f = 0; f < 6; f++) {
@@ -226,7 +222,6 @@ static void contraction(void)
                            beyond ? -log((double)n + 2.0) / log(theory) : 1.0);
                 CHECK_ROW(out, NULL, (double)n, steps[k], w, all, pow(tight / loose, 1.0 / sweeps), theory);
             }
-    check_table_close(out, "implicit_contraction");
 }
 
 /* ---- Damped motion to rest, and the static solution ---- */
@@ -266,8 +261,7 @@ static pile_difference compare(const solved_pile *pile, const dem_sim *sim)
     }
     CU_ASSERT_EQUAL(base, pile->k);
     for (size_t k = 0; k < pile->n * pile->n; k++) d.missing += force[k] > 1e-3;
-    scoped dem_state *states = calloc(pile->n, sizeof *states);
-    CHECK_OK(dem_states(sim, states));
+    scoped dem_state *states = grains_states(sim);
     for (size_t i = 0; i < pile->n; i++)
         d.position =
             fmax(d.position, hypot((states[i].x - pile->grains[i].x) / pile->eps - pile->u[2 * i],
@@ -305,9 +299,9 @@ static void pile_at_rest(void)
 {
     const long bases[] = {8, 45};
     const double eps[] = {1e-3, 1e-5};
-    FILE *out = check_table("implicit_pile",
-                            "base [disks], disks, eps, N_error [m*g], H_error [m*g], contact_error [m*g], "
-                            "position_error [eps*sigma], integrator");
+    CHECK_TABLE(out, "implicit_pile",
+                "base [disks], disks, eps, N_error [m*g], H_error [m*g], contact_error [m*g], "
+                "position_error [eps*sigma], integrator");
     for (int k = 0; k < (check_full() ? 2 : 1); k++) {
         RP_ENDS(solved_pile_free) solved_pile pile = solved_pile_make(bases[k], 30.0, eps[k], 1);
         const double b = (double)bases[k];
@@ -321,7 +315,6 @@ static void pile_at_rest(void)
                       d.position);
         }
     }
-    check_table_close(out, "implicit_pile");
 }
 
 CHECK_SUITE(implicit, "validation: the implicit integrator", energy_is_kept, phase, cost, contraction,

@@ -341,11 +341,10 @@ static void check_implicit(const law *p, const scheme *s, FILE *table, FILE *sum
 static void orders(void)
 {
     if (check_fast()) return; /* numbers of code that other tests run under sanitizers */
-    FILE *table = check_table("order", "steps, dt [s], velocity_error, position_error, integration, case"),
-         *summary = check_table("order_fits",
-                                "velocity_order, velocity_order_se, position_order, position_order_se, "
-                                "integration_order, integration_order_se, steps, velocity_error, "
-                                "position_error, integration, case");
+    CHECK_TABLE(table, "order", "steps, dt [s], velocity_error, position_error, integration, case");
+    CHECK_TABLE(summary, "order_fits",
+                "velocity_order, velocity_order_se, position_order, position_order_se, integration_order, "
+                "integration_order_se, steps, velocity_error, position_error, integration, case");
     for (const law *p = laws; p < laws + N_LAWS; p++) {
         fit fits[N_ERRORS];
         for (int i = 0; i < DEM_INTEGRATORS; i++) {
@@ -366,8 +365,6 @@ static void orders(void)
         check_orders(p, located_full_step.name, fits, (double[]){fmax(p->verlet[VELOCITY], 2.0), 2.0},
                      INTEGRATION);
     }
-    check_table_close(table, "order");
-    check_table_close(summary, "order_fits");
 }
 
 /* A grain that oscillates in permanent contact with a linear floor shows the order of the scheme itself. It
@@ -398,7 +395,7 @@ static double sway(double gamma_n, int integrator, double n)
 /* Each integrator has the order of its descriptor. */
 static void smooth(void)
 {
-    FILE *table = check_table("order_smooth", "order, order_se, case");
+    CHECK_TABLE(table, "order_smooth", "order, order_se, case");
     for (int damped = 0; damped < 2; damped++)
         for (int i = 0; i < DEM_INTEGRATORS; i++) {
             double n[MAX_SIZES], error[MAX_SIZES];
@@ -414,7 +411,6 @@ static void smooth(void)
             const char *name = check_text("%s/%s", damped ? "damped" : "undamped", dem_schemes[i]->name);
             CHECK_ROW(table, name, f.slope, f.se);
         }
-    check_table_close(table, "order_smooth");
 }
 
 /* The references: halving the step changes nothing; an adaptive method and closed forms agree. */
@@ -454,8 +450,9 @@ static void avalanches(void)
 {
     const int piles = check_full() ? 16 : check_fast() ? 1 : 2, sizes = check_full() ? 3 : 2;
     double integration[3];
-    FILE *table = check_table("order_ledger", "dt [s], normal_damping, shear_damping, sliding, at_walls, "
-                                              "integration, integration_se, residual");
+    CHECK_TABLE(table, "order_ledger",
+                "dt [s], normal_damping, shear_damping, sliding, at_walls, "
+                "integration, integration_se, residual");
     for (int k = 0; k < sizes; k++) {
         double row[8] = {5e-5 / (1 << k)}, square = 0.0;
         for (int pile = 0; pile < piles; pile++) {
@@ -475,7 +472,6 @@ static void avalanches(void)
         row[6] = sqrt((square - row[5] * row[5]) / (piles - 1.0));
         check_row(table, 8, row, NULL);
     }
-    check_table_close(table, "order_ledger");
     for (int k = 1; k < sizes; k++) CHECK_NEAR(log2(integration[k - 1] / integration[k]), 2.0, SAME_ORDER);
 }
 

@@ -87,7 +87,7 @@ static void note_cheapest(FILE *out, const outcomes *o, const char *setting)
 static void write_outcomes(const outcomes *o, const char *name, const char *setting, const char *unit,
                            const char *error_unit)
 {
-    FILE *out = check_table(name, NULL);
+    CHECK_TABLE(out, name, NULL);
     if (!out) return;
     rp_table_note(out, "seconds",
                   "processor time, least of several (one run if 0.5 s or more); front: on the Pareto front");
@@ -97,7 +97,6 @@ static void write_outcomes(const outcomes *o, const char *name, const char *sett
     rp_table_header(out, columns);
     for (const outcome *r = o->row; r < o->row + o->n; r++)
         CHECK_ROW(out, r->method, r->setting, r->error, r->seconds, (double)o->front[r - o->row]);
-    check_table_close(out, name);
 }
 
 /* Over all settings, the error of a method decreases at least with its order. Phases of the first and last
@@ -202,9 +201,8 @@ static double simulate(const motion *p, int integrator, long steps, double *seco
     const double start = rp_cpu_clock();
     scoped_sim *sim = grains_after(&def, steps);
     *seconds = rp_cpu_clock() - start;
-    scoped dem_state *s = calloc(n, sizeof *s);
     scoped double *y = calloc(4 * n, sizeof *y);
-    CHECK_OK(dem_states(sim, s));
+    scoped dem_state *s = grains_states(sim);
     for (size_t i = 0; i < n; i++) y[4 * i] = s[i].x, y[4 * i + 1] = s[i].y;
     return distance(p, y, p->answer);
 }
@@ -284,8 +282,7 @@ static dem_collision_result impact_of(int law)
     dem_collision_result c = {1.0, NAN, NAN};
     const double m = 0.5 * M, k = laws[law].k_n, g = laws[law].gamma_n;
     if (laws[law].normal == DEM_LINEAR) {
-        const double w = sqrt(k / m - 0.25 * g * g);
-        c.time = M_PI / w;
+        c.time = M_PI / sqrt(k / m - 0.25 * g * g);
         c.restitution = exp(-0.5 * g * c.time);
     } else if (g == 0.0) {
         const double deepest = pow(1.25 * m * SPEED * SPEED / k, 0.4);

@@ -11,7 +11,6 @@
 #include <gsl/gsl_odeiv2.h>
 #include <gsl/gsl_sf_gamma.h>
 
-#include "dem/law/laws.h"
 #include "params/units.h"
 #include "tests/grains.h"
 #include "validation/cases.h"

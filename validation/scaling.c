@@ -155,7 +155,7 @@ static void table_of_sizes(void)
 {
     static const double alpha_deg[SHAPES] = {30, 60};
     static const long bases[SHAPES][SIZES] = {{45, 77, 180, 387, 774, 1224}, {26, 45, 104, 223, 447, 707}};
-    FILE *out = check_table("scaling", NULL);
+    CHECK_TABLE(out, "scaling", NULL);
     if (!out) return;
     row rows[SHAPES][SIZES];
     rp_table_note(out, "seconds", "processor time to assemble and solve a linearised pile; memory: peak");
@@ -178,7 +178,6 @@ static void table_of_sizes(void)
     for (const row *r = rows[0]; r < rows[0] + SHAPES * SIZES; r++)
         CHECK_ROW(out, NULL, r->alpha_deg, (double)r->n, r->seconds, r->memory, (double)r->result.steps,
                   (double)r->result.factored, (double)r->result.negative_modes, r->result.residual);
-    check_table_close(out, "scaling");
 }
 
 static int by_seconds(const void *a, const void *b)
@@ -207,7 +206,7 @@ static void table_of_goals(void)
         bool soft;
     } piles[] = {
         {30, 0.005, 45, 5, true}, {60, 0.02, 45, 5, true}, {30, 0.15, 180, 3, true}, {30, 10, 774, 1, false}};
-    FILE *out = check_table("scaling_goals", NULL);
+    CHECK_TABLE(out, "scaling_goals", NULL);
     if (!out) return;
     rp_table_note(out, "seconds",
                   "processor time to assemble and solve a pile and to count its modes, median of up to 5");
@@ -224,7 +223,6 @@ static void table_of_goals(void)
                       piles[i].goal, r.seconds, r.memory, (double)r.result.factored,
                       (double)r.result.negative_modes);
         }
-    check_table_close(out, "scaling_goals");
 }
 
 /* tables first: forked processes do not inherit the threads that CHOLMOD starts */

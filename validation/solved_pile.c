@@ -9,9 +9,8 @@ static const double R = 0.5, MU = 1.0, WELL = 1.0; /* half-width in eps sigma */
 solved_pile solved_pile_make(long k, double alpha_deg, double eps, long load_steps)
 {
     solved_pile pile = {.k = (size_t)k, .eps = eps};
-    const double theta = M_PI / 6.0;
     long *up = malloc((size_t)k * sizeof *up);
-    CHECK_OK(an_lattice_cut(k, theta, alpha_deg * (M_PI / 180.0), up));
+    CHECK_OK(an_lattice_cut(k, M_PI / 6.0, alpha_deg * (M_PI / 180.0), up));
     for (long s = 0; s < k; s++) pile.n += (size_t)up[s];
     pile.grains = calloc(pile.n, sizeof *pile.grains);
     statics_disk *list = calloc(pile.n, sizeof *list);

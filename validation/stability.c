@@ -16,7 +16,6 @@
 #include "core/clock.h"
 #include "table/table.h"
 #include "dem/law/law.h"
-#include "dem/state/method.h"
 #include "dem/state/state.h"
 #include "tests/grains.h"
 #include "tests/numbers.h"
@@ -419,10 +418,9 @@ static void largest_time_step(void)
                         "gamma_n [1/s], mass_ratio, radius_ratio, k_s [slope of the normal force], rotation, "
                         "dt_limit [s], dt_measured [s], dt_theory [s], gamma_over_omega, omega_dt_limit, "
                         "omega_dt_measured, omega_dt_theory, margin [measured/limit]");
-    FILE *sums =
-        check_table("stability_sums",
-                    "integrator [word], cases, margin_least [measured/limit], margin_most [measured/limit], "
-                    "deviation [largest deviation of measured/theory from 1], run_time [s]");
+    CHECK_TABLE(sums, "stability_sums",
+                "integrator [word], cases, margin_least [measured/limit], margin_most [measured/limit], "
+                "deviation [largest deviation of measured/theory from 1], run_time [s]");
     for (int scheme = DEM_VERLET; scheme <= DEM_GEAR5; scheme++) {
         const double start = rp_clock();
         summary.cases = 0, summary.least = INFINITY, summary.most = summary.deviation = 0.0;
@@ -434,9 +432,7 @@ static void largest_time_step(void)
         CHECK_ROW(sums, NULL, summary.cases, summary.least, summary.most, summary.deviation,
                   rp_clock() - start);
     }
-    check_table_close(table, "stability");
-    check_table_close(sums, "stability_sums");
-    table = NULL;
+    check_table_close(&table);
 }
 
 /* ---- The implicit scheme: no stability limit, but each step must be solvable, and no grain may move by more
@@ -490,10 +486,9 @@ static gas_run run_gas(const equation_solver *with, double depth, double times)
     dem_box_walls(&def, 1.51, &def.material);
     def.walls[def.n_walls++] = grains_line(0.0, 1.51, 0.0, -1.0, &def.material);
     scoped_sim *sim = grains_start(&def);
-    dem_energy before, after;
-    dem_energies(sim, &before);
+    const dem_energy before = grains_energies(sim);
     if (dem_run(sim, check_full() ? 300 : 40) == RP_OK) {
-        dem_energies(sim, &after);
+        const dem_energy after = grains_energies(sim);
         /* residual of the tolerance over 300 steps, of speeds that are small against a radius per step */
         CHECK_NEAR((after.kinetic + after.elastic) / before.kinetic, 1.0, 1e-6);
     } else {
@@ -508,7 +503,7 @@ static gas_run run_gas(const equation_solver *with, double depth, double times)
  * dt)^2 in the velocity of the next step. */
 static void implicit_rest(void)
 {
-    FILE *out = check_table("stability_implicit_rest", NULL);
+    CHECK_TABLE(out, "stability_implicit_rest", NULL);
     const char *const columns[][2] = {{"system", "word"},
                                       {"solver", "word"},
                                       {"tolerance", "radius"},
@@ -525,12 +520,11 @@ static void implicit_rest(void)
                 if (out) fprintf(out, "%s\t%s\t", system_names[system], solver_names[with->solver]);
                 CHECK_ROW(out, NULL, with->tolerance, damping, times);
             }
-    check_table_close(out, "stability_implicit_rest");
 }
 
 static void implicit_limits(void)
 {
-    FILE *out = check_table("stability_implicit", NULL);
+    CHECK_TABLE(out, "stability_implicit", NULL);
     const char *const columns[][2] = {{"solver", "word"},
                                       {"tolerance", "radius"},
                                       {"depth", "overlap of an impact over radius"},
@@ -558,7 +552,6 @@ static void implicit_limits(void)
                       largest.dt / next.contact_time, largest.sweeps, 0.2 * R / v / next.contact_time);
         }
     }
-    check_table_close(out, "stability_implicit");
 }
 
 /* ---- Boxes: fall, settle, rest */
@@ -575,15 +568,13 @@ static bool box_rests(int law, int scheme, double gamma, long stream, double tim
     *limit = dem_time_step_limit(&def, NULL);
     def.dt = *limit;
     scoped_sim *sim = grains_start(&def);
-    dem_energy e;
     dem_rest rest;
-    dem_energies(sim, &e);
-    const double most = e.gravity;
+    const double most = grains_energies(sim).gravity;
     sim->def.dt *= times;
     bool good = true;
     for (int part = 0; part < 40 && good; part++) {
         good = dem_run(sim, lround((gamma < 100.0 ? 0.1 : 0.05) / sim->def.dt)) == RP_OK;
-        dem_energies(sim, &e);
+        const dem_energy e = grains_energies(sim);
         good = good && e.kinetic + e.elastic + e.gravity <= most;
     }
     good = good && dem_rest_state(sim, 0.0, 2.0, &rest) == RP_OK && rest.n == N &&
@@ -594,8 +585,9 @@ static bool box_rests(int law, int scheme, double gamma, long stream, double tim
 /* Boxes of falling grains rest at the limit; the table has its largest multiple at which all three do. */
 static void boxes(void)
 {
-    FILE *out = check_table("stability_boxes", "law [word], integrator [word], gamma_n [1/s], dt_limit [s], "
-                                               "dt_rests [s], margin [rests/limit]");
+    CHECK_TABLE(out, "stability_boxes",
+                "law [word], integrator [word], gamma_n [1/s], dt_limit [s], "
+                "dt_rests [s], margin [rests/limit]");
     for (int scheme = DEM_VERLET; scheme <= DEM_GEAR5; scheme++)
         for (int law = DEM_HERTZ; law <= (check_fast() ? DEM_HERTZ : DEM_LINEAR); law++)
             for (int g = 0; g < (check_full() ? 5 : 1); g++) {
@@ -614,7 +606,6 @@ static void boxes(void)
                     fprintf(out, "%s\t%s\t", dem_normal_descriptors[law].name, dem_schemes[scheme]->name);
                 CHECK_ROW(out, NULL, gamma, limit, times * limit, times);
             }
-    check_table_close(out, "stability_boxes");
 }
 
 CHECK_SUITE(stability, "validation: stability", largest_time_step, implicit_rest, implicit_limits, boxes)

@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include "params/config.h"
-#include "dem/scene/scene.h"
 #include "experiment/experiment.h"
 #include "dem/state/state.h"
 

@@ -348,8 +348,7 @@ static void mutate_line(void)
     if (is_definition() || matches(LEAVE, at_line.text, NULL)) return;
     const char *code = at_line.code;
     at_line.is_loop = strstr(code, "for (") != NULL;
-    const bool declares = matches(DECLARES, code, NULL);
-    const size_t declared = declares ? strcspn(code, "=") : 0; /* sizes up to there */
+    const size_t declared = matches(DECLARES, code, NULL) ? strcspn(code, "=") : 0; /* sizes up to there */
     if (at_line.is_figure || (at_line.is_result && !matches(HELP, at_line.text, NULL))) mutate_text();
     for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
         if (!(changes[i].where & (at_line.is_loop ? IN_LOOPS : ELSEWHERE))) continue;
