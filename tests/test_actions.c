@@ -223,7 +223,7 @@ static const char rain[] =
     "  { name = `rain`; repeat = `n`; phases = ( { name = `drop`; mark = true; every = 10;\n"
     "      add = { N = 2; kind = `drop`; x = (-1.0, 1.0); y = `touch + 0.2`; vy = `-sqrt(2*g*0.1)`; };\n"
     "      until = `touched and held(speed < 1, 5)`; } ); },\n"
-    "  { name = `cloud`; add = { N = 20; kind = `drop`; x = (-1.5, 1.5); y = (3.0, 4.0); }; steps = 1; },\n"
+    "  { name = `cloud`; add = { N = 20; kind = `drop`; x = (-1.5, 1.5); y = (-1.0, 4.0); }; steps = 1; },\n"
     "  { name = `b`; repeat = 2; phases = ( { name = `p`; steps = 1; } ); }, { name = `q`; mark = true; "
     "steps = 1; },\n"
     "  { name = `clear`; remove = `right`; steps = 1; } );\n"

@@ -187,7 +187,7 @@ rp_status dem_wall_move(dem_sim *sim, size_t w, const double velocity[2], double
     const dem_wall *wall = &sim->walls.wall[w];
     const dem_wall_line *line = &sim->walls.line[w];
     dem_wall next = *wall;
-    double way;
+    double way, r = fmin(sim->r_min, sim->start.radius_mean);
     if (velocity) memcpy(next.velocity, velocity, sizeof next.velocity);
     if (!isnan(omega)) next.omega = omega;
     if (next.velocity[0] == wall->velocity[0] && next.velocity[1] == wall->velocity[1] &&
@@ -202,8 +202,8 @@ rp_status dem_wall_move(dem_sim *sim, size_t w, const double velocity[2], double
         dem_wall other = sim->walls.wall[k];
         memcpy(other.point, &sim->walls.line[k].point, sizeof other.point);
         memcpy(other.direction, &sim->walls.line[k].direction, sizeof other.direction);
-        RP_TRY(dem_hidden_check(w, &next, k, &other));
-        RP_TRY(dem_hidden_check(k, &other, w, &next));
+        RP_TRY(dem_hidden_check(w, &next, k, &other, r));
+        RP_TRY(dem_hidden_check(k, &other, w, &next, r));
     }
     dem_wall_go_on(sim, w, &next, way);
     return RP_OK;

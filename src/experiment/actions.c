@@ -121,16 +121,6 @@ static double touch_height(exp_run *run, double x, double r, double gap)
     return s ? exp_touch_height(run->n_states, s, x, r, gap, y) : y;
 }
 
-static bool touches(exp_run *run, double x, double y, double r)
-{
-    const dem_state *s = exp_states(run);
-    for (size_t i = 0; s && i < run->n_states; i++) {
-        const double dx = s[i].x - x, dy = s[i].y - y, reach = r + s[i].r;
-        if (dx * dx + dy * dy < reach * reach) return true;
-    }
-    return false;
-}
-
 static double between(exp_run *run, const double ends[2])
 {
     return ends[0] == ends[1] ? ends[0] : ends[0] + (ends[1] - ends[0]) * gsl_rng_uniform(run->random[1]);
@@ -142,8 +132,8 @@ double exp_density(const exp_plan *plan, const exp_add *a, double given)
     return exp_given(&a->density) ? given : first ? first->density : plan->scene.laws.physics.density;
 }
 
-/* Draw a grain and its place. False: there is none. */
-static bool draw_grain(exp_run *run, const exp_phase *p, dem_grain *g)
+/* Draw a grain, and put it in; of a range at the first free place of many. RP_NO_RESULT: there is none. */
+static rp_status put_grain(exp_run *run, const exp_phase *p, dem_grain *g, uint32_t *id)
 {
     const exp_add *a = &p->add;
     enum { TRIES = 10000 };
@@ -157,35 +147,34 @@ static bool draw_grain(exp_run *run, const exp_phase *p, dem_grain *g)
     if (!(g->r > 0.0) || !(g->m > 0.0) || !(gap >= 0.0) || !isfinite(x[0]) || !isfinite(x[1])) {
         exp_conclude(run, "no_number", "%s: r = %g, density = %g, gap = %g, x = %g to %g", p->name, g->r,
                      density, gap, x[0], x[1]);
-        return false;
+        return RP_NO_RESULT;
     }
     for (int k = 0; k < TRIES; k++) {
         g->x = between(run, x);
         run->grain.touch = a->in_range ? NAN : touch_height(run, g->x, g->r, gap);
         const double y[2] = {exp_number(run, "add.y", &a->y[0]),
                              a->in_range ? exp_number(run, "add.y", &a->y[1]) : NAN};
-        g->y = a->in_range ? between(run, y) : y[0];
-        if (!a->in_range) break;
-        if (!touches(run, g->x, g->y, g->r)) break;
-        if (k == TRIES - 1) return false;
+        run->grain.y = g->y = a->in_range ? between(run, y) : y[0];
+        g->vx = exp_number(run, "add.vx", &a->vx), g->vy = exp_number(run, "add.vy", &a->vy);
+        g->omega = exp_number(run, "add.omega", &a->omega);
+        if (run->at.done || !isfinite(g->x) || !isfinite(g->y)) return RP_NO_RESULT;
+        const rp_status status = dem_add(run->sim, g, id);
+        if (!a->in_range || status != RP_BAD_INPUT || !strstr(rp_message(), ": touches ")) return status;
     }
-    run->grain.y = g->y;
-    g->vx = exp_number(run, "add.vx", &a->vx), g->vy = exp_number(run, "add.vy", &a->vy);
-    g->omega = exp_number(run, "add.omega", &a->omega);
-    return !run->at.done && isfinite(g->x) && isfinite(g->y);
+    return RP_NO_RESULT;
 }
 
 static void add_grain(exp_run *run, const exp_phase *p)
 {
     dem_grain g;
     uint32_t id;
-    if (!draw_grain(run, p, &g)) {
+    const rp_status status = put_grain(run, p, &g, &id);
+    if (status == RP_NO_RESULT) {
         if (!run->failed && !run->at.done)
             exp_conclude(run, "no_room", "phase %s: no place for a grain of radius %g, at x = %g, y = %g",
                          p->name, g.r, g.x, g.y);
         return;
     }
-    const rp_status status = dem_add(run->sim, &g, &id);
     if (status == RP_BROKEN) run->failed = status;
     if (run->failed) return;
     renew(run, p, status, status && strstr(rp_message(), "too large for") ? "too_fast" : "no_room");

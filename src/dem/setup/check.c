@@ -67,16 +67,17 @@ rp_status dem_motion_check(const dem_definition *def, const dem_wall *wall)
     return RP_OK;
 }
 
-/* Would wall a never act, because it stays on the whole line b and has other coefficients or another
- * velocity, or is this line once more? */
-static bool is_hidden(const dem_wall *a, const dem_wall *b)
+/* Would wall a never act, because it stays on the whole line b, to a thousandth of this radius, and has other
+ * coefficients or another velocity, or is this line once more? */
+static bool is_hidden(const dem_wall *a, const dem_wall *b, double r)
 {
     const double d[] = {a->point[0] - b->point[0], a->point[1] - b->point[1]},
                  v[] = {a->velocity[0] - b->velocity[0], a->velocity[1] - b->velocity[1]}, *n = a->direction,
                  *m = b->direction;
     if (!dem_wall_is_line(b) || b->open_at_step >= 0 || a->omega != 0.0 || b->omega != 0.0) return false;
     if (fabs(n[0] * m[1] - n[1] * m[0]) > 1e-9 ||
-        fabs(d[0] * m[0] + d[1] * m[1]) > 1e-9 * rp_hypot(d[0], d[1]) ||
+        fabs(d[0] * m[0] + d[1] * m[1]) >
+            fmax(1e-9 * rp_hypot(d[0], d[1]), dem_wall_is_line(a) ? 0.0 : 1e-3 * r) ||
         fabs(v[0] * m[0] + v[1] * m[1]) > 1e-9 * rp_hypot(v[0], v[1]))
         return false;
     return dem_wall_is_line(a)
@@ -84,9 +85,9 @@ static bool is_hidden(const dem_wall *a, const dem_wall *b)
                : v[0] != 0.0 || v[1] != 0.0 || memcmp(&a->material, &b->material, sizeof a->material) != 0;
 }
 
-rp_status dem_hidden_check(size_t k, const dem_wall *a, size_t j, const dem_wall *b)
+rp_status dem_hidden_check(size_t k, const dem_wall *a, size_t j, const dem_wall *b, double r)
 {
-    if (k == j || !is_hidden(a, b)) return RP_OK;
+    if (k == j || !is_hidden(a, b, r)) return RP_OK;
     return rp_fail(
         RP_BAD_INPUT,
         "wall %zu: lies on wall %zu, a whole line, and would never act: cut the line into segments, "
@@ -103,8 +104,6 @@ static rp_status check_walls(const dem_definition *def)
         if (!status) status = dem_motion_check(def, &walls[k]);
         RP_TRY(rp_prefix(status, "wall %zu: ", k + 1));
     }
-    for (size_t k = 0; k < def->n_walls; k++)
-        for (size_t j = 0; j < def->n_walls; j++) RP_TRY(dem_hidden_check(k, &walls[k], j, &walls[j]));
     return RP_OK;
 }
 
@@ -213,13 +212,17 @@ rp_status dem_way_check(double way, double r_min)
     return rp_fail(RP_BAD_INPUT, "moves %g in one step, the smallest radius is %g", way, r_min);
 }
 
-static rp_status check_wall_speeds(const dem_definition *def)
+/* Walls against grains, or those to come, and against walls. */
+static rp_status check_walls_of_all(const dem_definition *def)
 {
-    double r_min = INFINITY;
+    double r_min = def->n_grains ? INFINITY : def->radius_to_come;
     for (size_t i = 0; i < def->n_grains; i++) r_min = fmin(r_min, def->grains[i].r);
     for (size_t k = 0; k < def->n_walls; k++) {
-        const double way = dem_wall_speed(def, &dem_walls_of(def)[k]) * def->dt;
-        RP_TRY(rp_prefix(dem_way_check(way, r_min), "wall %zu: ", k + 1));
+        const dem_wall *walls = dem_walls_of(def);
+        const rp_status status = dem_way_check(dem_wall_speed(def, &walls[k]) * def->dt, r_min);
+        const char *turns = def->box_turn_per_step != 0.0 ? "box_turn_deg_per_step: " : "";
+        RP_TRY(rp_prefix(status, "%swall %zu: ", turns, k + 1));
+        for (size_t j = 0; j < def->n_walls; j++) RP_TRY(dem_hidden_check(k, &walls[k], j, &walls[j], r_min));
     }
     return RP_OK;
 }
@@ -248,7 +251,7 @@ rp_status dem_definition_check(const dem_definition *def)
     RP_TRY(check_grain_values(def));
     RP_TRY(check_contacts(def));
     RP_TRY(dem_laws_check(def));
-    RP_TRY(check_wall_speeds(def));
+    RP_TRY(check_walls_of_all(def));
     const char *what;
     double limit = dem_time_step_limit(def, &what);
     if (def->dt > limit) return dem_refuse_step(def, limit, what);

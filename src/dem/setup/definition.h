@@ -11,7 +11,7 @@ rp_status dem_definition_check(const dem_definition *def);
 rp_status dem_laws_check(const dem_definition *def);
 rp_status dem_wall_check(const dem_wall *wall);
 rp_status dem_motion_check(const dem_definition *def, const dem_wall *wall);
-rp_status dem_hidden_check(size_t k, const dem_wall *a, size_t j, const dem_wall *b);
+rp_status dem_hidden_check(size_t k, const dem_wall *a, size_t j, const dem_wall *b, double r);
 rp_status dem_way_check(double way, double r_min);
 rp_status dem_grain_check(const dem_definition *def, const dem_grain *grain);
 rp_status dem_scheme_check(const dem_definition *def);
@@ -22,8 +22,8 @@ rp_status dem_scheme_check(const dem_definition *def);
 rp_status dem_physics_resolve(dem_definition *copy);
 void dem_physics_free(dem_definition *copy, const dem_definition *def);
 
-/* Largest speed of a wall's points, of a line of those beside the grains of the start; 0 for a wall that does
- * not move by itself. */
+/* Largest speed of a wall's points, of a line of those beside the grains of the start; by its own motion, or
+ * as the box turns. */
 double dem_wall_speed(const dem_definition *def, const dem_wall *wall);
 
 /* Speed of an impact to come: the largest closing speed at the start and a fall from the highest grain to

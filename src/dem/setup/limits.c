@@ -19,13 +19,16 @@ static dem_vec end_of(const dem_wall *wall, int end)
 
 double dem_wall_speed(const dem_definition *def, const dem_wall *wall)
 {
-    double reach = dem_wall_reach(wall);
-    if (!dem_wall_moves(wall)) return 0.0;
+    dem_wall w = *wall;
+    if (def->box_turn_per_step != 0.0) /* about the origin */
+        w.omega = def->box_turn_per_step / def->dt, w.pivot[0] = w.pivot[1] = 0.0;
+    if (!dem_wall_moves(&w)) return 0.0;
+    double reach = dem_wall_reach(&w);
     const bool line = isinf(reach);
     if (line) reach = 0.0;
     for (size_t i = 0; i < def->n_grains && line; i++)
-        reach = fmax(reach, rp_hypot(def->grains[i].x - wall->pivot[0], def->grains[i].y - wall->pivot[1]));
-    return rp_hypot(wall->velocity[0], wall->velocity[1]) + fabs(wall->omega) * reach;
+        reach = fmax(reach, rp_hypot(def->grains[i].x - w.pivot[0], def->grains[i].y - w.pivot[1]));
+    return rp_hypot(w.velocity[0], w.velocity[1]) + fabs(w.omega) * reach;
 }
 
 double dem_impact_speed(const dem_definition *def)
