@@ -258,7 +258,7 @@ static rp_status reduce(const exp_run *run, const exp_measure *m, double out[])
         if (!isfinite(all->at[i].value))
             return rp_fail(RP_NO_RESULT, "a sample is %g; `when` leaves samples out", all->at[i].value);
     RP_TRY(take_counting(run, m, &arena, &s));
-    if (s.n == 0) return rp_fail(RP_NO_RESULT, "one sample, and skip = %g", m->skip);
+    if (s.n == 0) return rp_fail(RP_NO_RESULT, "%zu samples, and skip = %g", all->n, m->skip);
     RP_NEW(&arena, v, s.n);
     RP_NEW(&arena, work, s.n);
     for (size_t i = 0; i < s.n; i++) v[i] = s.at[i].value;

@@ -281,6 +281,7 @@ static rp_status name_measure(exp_plan *plan, const config_setting_t *setting, e
                                     : exp_check_name(plan, setting, "a measure", m->name));
     if (!member(setting, "of"))
         return rp_config_fail(setting, "measure %s: of: missing (what is measured)", m->name);
+    if (*m->prefix) RP_TRY(exp_check_word(setting, "a column", m->prefix));
     RP_TRY(exp_read_if(plan, setting, &m->left_out));
     RP_TRY(check_columns(plan, m));
     m->file =
@@ -314,7 +315,8 @@ rp_status exp_read_measure(exp_plan *plan, size_t k)
 {
     exp_measure *m = &plan->measures[k];
     const exp_phase *p = &plan->phases[m->phase];
-    const config_setting_t *when = member(m->setting, "when"), *event = member(m->setting, "event");
+    const config_setting_t *sampled = exp_has_key(m->setting, "when every skip series drop"),
+                           *fall = exp_has_key(m->setting, "event drop");
     const exp_key_of keys[] = {{"of", m->module ? NULL : &m->of},
                                {"event", &m->event, .type = RP_X_TRUTH},
                                {"when", &m->when, .type = RP_X_TRUTH},
@@ -324,9 +326,10 @@ rp_status exp_read_measure(exp_plan *plan, size_t k)
     exp_place_in(&place, plan);
     place.names.measure = true;
     place.measure = k;
-    if (event && m->take != TAKE_AVALANCHES)
-        return rp_config_fail(event, "event: needs take = \"avalanches\"");
-    if (when && m->take == TAKE_VALUE) return rp_config_fail(when, "when: needs samples, during = \"PHASE\"");
+    if (sampled && m->take == TAKE_VALUE)
+        return rp_config_fail(sampled, "%s: needs samples, during = \"PHASE\"", config_setting_name(sampled));
+    if (fall && m->take != TAKE_AVALANCHES)
+        return rp_config_fail(fall, "%s: needs take = \"avalanches\"", config_setting_name(fall));
     m->states[0] = plan->n_states;
     RP_TRY(exp_read_keys(m->setting, "", keys, &place));
     m->states[1] = plan->n_states;
