@@ -614,7 +614,7 @@ static void test_line_fit(void)
     } failures[] = {{0, {1, 2}, {1, 1}, {1, 1}, false, RP_NO_RESULT, "0 points"},
                     {1, {1, 2}, {1, 1}, {1, 1}, false, RP_NO_RESULT, "1 points"},
                     {2, {1, 2}, {1e-300, 2e-300}, {1, 1}, false, RP_NO_RESULT, "so large or small"},
-                    {2, {0.1, 0.1}, {1, 1}, {1, 1}, false, RP_NO_RESULT, "two different x"},
+                    {2, {0.3, 0.1 + 0.2}, {1, 1}, {1, 1}, false, RP_NO_RESULT, "two different x"},
                     {1, {0, 2}, {1, 1}, {1, 1}, true, RP_NO_RESULT, "other than 0"},
                     {2, {0, 0}, {3, 4}, {1, 1}, true, RP_NO_RESULT, "an x other than 0"},
                     {2, {1, 2}, {1, NAN}, {1, 1}, false, RP_BAD_INPUT, "point 2"},

@@ -9,7 +9,8 @@ static const char fall[] =
     "dt = 1.0e-4; gravity = (0.0, -1000.0); let = { h = 5.0; d = 7.0; m = 7.0; };\n"
     "walls = ( { name = `floor`; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
     "particles = ( { x = 1.0; y = `h`; r = 0.1; m = 0.01; }, { x = 3.0; y = `h`; r = 0.2; m = 0.03; } );\n"
-    "regions = { left_half = { x = (0.0, 2.0); }; disk = { circle = (3.0, `h`, 1.5); }; };\n"
+    "regions = { left_half = { x = (0.0, 2.0); }; disk = { circle = (3.0, `h`, 1.5); };\n"
+    "  high = { y = (8.0, `inf`); }; };\n"
     "phases = ( { name = `fall`; steps = 500; every = 50; },\n"
     "           { name = `land`; least = 1000; every = 100; until = `rest`; } );\n"
     "measure = ( { name = `y1`; of = `left_half.y`; at = `fall`; },\n"
@@ -33,6 +34,11 @@ static const char fall[] =
     "  { name = `weight`; of = `floor.fy`; }, { name = `side`; of = `floor.fx`; },\n"
     "  { name = `top`; of = `height`; }, { name = `l`; of = `left`; }, { name = `r`; of = `right`; },\n"
     "  { name = `touching`; of = `contacts`; }, { name = `columns`; of = `cells`; },\n"
+    "  { name = `above`; of = `high.speed`; at = `fall`; },\n"
+    "  { name = `by_most`; of = `t`; during = `fall`; level_of = `most`; },\n"
+    "  { name = `by_that`; of = `t`; during = `fall`; level_of = `by_most`; },\n"
+    "  { name = `some`; of = `phase_step`; during = `fall`; every = 5; take = `first`; skip = 0.07; },\n"
+    "  { name = `root`; of = `held(y > 9, 2) ? 1 : sqrt(t - 0.03)`; during = `fall`; optional = true; },\n"
     "  { name = `sum`; of = `v + exp(log(2))`; } );\n";
 
 static void test_closed_forms(void)
@@ -44,14 +50,16 @@ static void test_closed_forms(void)
                {"fastest", 50.0}, {"e", 0.5 * 0.04 * 2500.0}, {"mean_e", 0.25 * 0.04 * 2500.0},
                {"most", 50.0}, {"least", 30.0}, {"l", 0.9}, {"r", 3.2}, {"sum", -48.0});
     CHECK_EACH(measured(&t, NAME), 0.0, {"fell", 2.0}, {"not", 0.0}, {"in", 1.0}, {"in_m", 0.03},
-               {"side", 0.0}, {"touching", 1.0}, {"columns", 2.0});
+               {"side", 0.0}, {"touching", 1.0}, {"columns", 2.0}, {"above", 0.0}, {"some", 40.0});
     /* a let named d leaves the mean grain's diameter as it is: columns; samples each 0.005 s; the first
      * beyond 25 cm/s is late */
     CHECK_EACH(measured(&t, NAME), 1e-12, {"t1", T}, {"T", 1e-4 * measured(&t, "s")}, {"mean_t", 0.0275},
-               {"late", 0.03}, {"first", 0.107}, {"step_y", 0.0025}, {"steps_y", 0.005});
+               {"late", 0.03}, {"by_most", 0.04}, {"by_that", 0.04}, {"first", 0.107}, {"step_y", 0.0025},
+               {"steps_y", 0.005});
     CHECK_NEAR(measured(&t, "rate_y"), -1000.0, 1e-6);
     CHECK_NEAR(measured(&t, "weight"), -0.04 * 1000.0, 0.4);
     CHECK_NEAR(measured(&t, "top"), 0.4, 1e-3);
+    CU_ASSERT(isnan(measured(&t, "root")));      /* a root of a number below 0 is a sample too */
     CU_ASSERT(isnan(measured(&t, "rate_y_se"))); /* ten samples are too few for an error */
     CU_ASSERT(isnan(measured(&t, "faster_se"))); /* and fifty whose steps correlate, too short a series */
 }
@@ -143,7 +151,9 @@ static void test_known_so_far(void)
         "  { name = `before`; of = `moved(0.7)`; at = `on`; take = `max`; },\n"
         "  { name = `by_phase`; of = `moved(0.6)`; at = `again`; take = `max`; },\n"
         "  { name = `last`; of = `step`; },\n"
-        "  { name = `fall`; of = `vy`; during = `flight`; take = `line`; against = `t`; } );\n";
+        "  { name = `fall`; of = `vy`; during = `flight`; take = `line`; against = `t`; },\n"
+        "  { name = `sink`; of = `0+vy`; unit = `cm/s`; during = `flight`; take = `line`; against = `t`; },\n"
+        "  { name = `rate`; of = `2*vy`; during = `flight`; take = `rate`; } );\n";
     RUN_TRIAL(t, text, 7, "ok");
     CHECK_NEAR(measured(&t, "most"), 5.0 + 50.0 * 50.0 / 2000.0, 1e-3);
     CU_ASSERT(measured(&t, "fell") < measured(&t, "most") - 0.2 &&
@@ -156,8 +166,9 @@ static void test_known_so_far(void)
     size_t n;
     const exp_output *o = exp_outputs(t.plan, &n);
     for (size_t k = 0; k < n; k++)
-        if (strncmp(o[k].name, "fall_", 5) == 0)
+        if (strncmp(o[k].name, "fall_", 5) == 0 || strncmp(o[k].name, "sink_", 5) == 0)
             CU_ASSERT_STRING_EQUAL(o[k].unit, o[k].name[5] == '1' ? "cm/s/s" : "cm/s");
+    CU_ASSERT_STRING_EQUAL(o[n - 1].unit, ""); /* of another expression it is not known */
     CU_ASSERT(measured(&t, "by_phase") == 0.0 && measured(&t, "last") == (double)exp_steps(t.run));
 }
 
@@ -198,6 +209,8 @@ static void test_forces(void)
                   k < 2 ? "ok" : "no_pile");
         if (k == 2) CU_ASSERT(strstr(exp_ended(t.run)->message, "the floor is not level") != NULL);
         if (k == 2) continue;
+        size_t n;
+        CU_ASSERT_STRING_EQUAL(exp_outputs(t.plan, &n)->unit, "weight");
         /* of two such grains; half of the weight at an arm of half of d, less the overlap */
         CHECK_EACH(measured(&t, NAME), 1e-6, {"f_n", 0.5}, {"f_weight_error", 0.0}, {"f_balance_error", 0.0});
         CHECK_NEAR(measured(&t, "f_syy"), 0.5 * 0.5, 1e-3);
@@ -212,20 +225,23 @@ static void test_forces(void)
  * and a strain of 0.2 along x, less than which only the xy pattern of 0.1 is left. */
 static void test_surface_and_motion(void)
 {
-    static const char text[] = "dt = 1.0e-4; gravity = [0.0, 0.0];\n"
-                               "particles = ( { x = -4.0; y = -2.0; vx = 10.0; vy = 10.0; r = 0.5; },\n"
-                               "  { x = -2.0; y = -2.0; vx = 50.0; vy = -10.0; r = 0.5; },\n"
-                               "  { x = -4.0; y = 0.0; vx = 10.0; vy = -10.0; r = 0.5; },\n"
-                               "  { x = -2.0; y = 0.0; vx = 50.0; vy = 10.0; r = 0.5; },\n"
-                               "  { x = 10.5; y = -0.5; r = 0.5; }, { x = 11.5; y = -1.0; r = 0.5; },\n"
-                               "  { x = 12.5; y = -1.5; r = 0.5; }, { x = 13.5; y = -2.0; r = 0.5; },\n"
-                               "  { x = 14.5; y = -2.5; r = 0.5; } );\n"
-                               "regions = { four = { x = (-5.0, -1.0); y = (-3.0, 9.0); }; stairs = { x = "
-                               "(10.0, 15.0); y = (-3.0, 9.0); }; };\n"
-                               "phases = ( { name = `move`; steps = 100; } );\n"
-                               "measure = ( { name = `u`; of = `motion`; in = `four`; },\n"
-                               "  { name = `s`; of = `slope`; in = `stairs`; } );\n";
+    static const char text[] =
+        "dt = 1.0e-4; gravity = [0.0, 0.0];\n"
+        "particles = ( { x = -4.0; y = -2.0; vx = 10.0; vy = 10.0; r = 0.5; },\n"
+        "  { x = -2.0; y = -2.0; vx = 50.0; vy = -10.0; r = 0.5; },\n"
+        "  { x = -4.0; y = 0.0; vx = 10.0; vy = -10.0; r = 0.5; },\n"
+        "  { x = -2.0; y = 0.0; vx = 50.0; vy = 10.0; r = 0.5; },\n"
+        "  { x = 10.5; y = -0.5; r = 0.5; }, { x = 11.5; y = -1.0; r = 0.5; },\n"
+        "  { x = 12.5; y = -1.5; r = 0.5; }, { x = 13.5; y = -2.0; r = 0.5; },\n"
+        "  { x = 14.5; y = -2.5; r = 0.5; } );\n"
+        "regions = { four = { x = (-5.0, -1.0); y = (-3.0, 9.0); }; stairs = { x = (10.0, 15.0); y = (-3.0, "
+        "9.0); }; thin = { x = (10.0, 10.4); }; };\n"
+        "phases = ( { name = `move`; steps = 100; } );\n"
+        "measure = ( { name = `u`; of = `motion`; in = `four`; },\n"
+        "  { name = `s`; of = `slope`; in = `stairs`; },\n"
+        "  { name = `n`; of = `slope`; in = `thin`; optional = true; } );\n";
     RUN_TRIAL(t, text, 1000, "ok");
+    CU_ASSERT(isnan(measured(&t, "n_cells"))); /* of less than a column */
     CHECK_EACH(measured(&t, NAME), 1e-9, {"u_nonaffine", 0.1}, {"u_share", 0.01 / (0.01 + 0.04)},
                {"u_x", 0.5}, {"u_y", 2.0}, {"u_depth", 1.0}, {"u_all_y", 2.0}, {"u_reach", hypot(0.5, 0.1)},
                {"s_r1_deg", atan(0.5) * 180.0 / M_PI}, {"s_r2_deg", atan(0.5) * 180.0 / M_PI},
@@ -392,6 +408,9 @@ static void test_refused(void)
         {hopper, "name = `depth`", "name = `rate`", "rate: two measures have this column"},
         {hopper, "at = `fill`", "at = `fil`", "at = \"fil\": no such phase (did you mean \"fill\"?)"},
         {hopper, "at = `fill`", "at = `fill`; take = `mean`", "measure depth: take = \"mean\": needs during"},
+        {hopper, "at = `fill`", "at = `fill`; series = true", "series: needs samples, during"},
+        {hopper, "unit = `1/s`", "drop = 1.0", "drop: needs take = \"avalanches\""},
+        {hopper, "at = `fill`", "at = `fill`; prefix = `a-b`", "\"a-b\": the name of a column has up to"},
         {hopper, "of = `height`; ", "", "measure depth: of: missing"},
         {hopper, "of = `height`", "of = `height > 1`",
          "of \"height > 1\" is a condition, a number is expected"},
@@ -1065,17 +1084,18 @@ static void test_more_modules(void)
     CHECK_NEAR(measured(&t, "load"), one + two + wall, 1e-6);
     CHECK_NEAR(measured(&t, "centroid"), (0.3 * two + 0.6 * wall) / (one + two + wall), 1e-9);
     CU_ASSERT(isnan(measured(&t, "alone_load"))); /* one grain is no base */
-    static const char pulls[] =                   /* two that part fast, two that press */
-        "dt = 1e-6; gravity = (0.0, 0.0); tangential = { law = `spring`; mu = 0.5; };\n"
+    static const char pulls[] = /* two that part fast, two that press; places are those of a box that turns */
+        "dt = 1e-8; gravity = (0.0, 0.0); tangential = { law = `spring`; mu = 0.5; };\n"
         "walls = ( { name = `floor`; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
-        "regions = { all = { x = (0.0, 9.0); }; };\n"
+        "regions = { all = { x = (-9.0, 0.0); }; };\n"
         "particles = ( { x = 1.0; y = 1.0; r = 0.1; vx = -50.0; }, { x = 1.199; y = 1.0; r = 0.1; vx = 50.0; "
         "},\n"
         "  { x = 3.0; y = 1.0; r = 0.1; }, { x = 3.19; y = 1.0; r = 0.1; } );\n"
-        "phases = ( { name = `look`; steps = 0; } );\n"
-        "measure = ( { name = `l`; of = `limit`; in = `all`; wall = `floor`; } );\n";
+        "phases = ( { name = `turn`; box_turn_deg_per_step = 1.0; steps = 100; } );\n"
+        "measure = ( { name = `l`; of = `limit`; in = `all`; wall = `floor`; },\n"
+        "  { name = `f`; of = `fabric`; about = 1.0; apart = 1.0; } );\n";
     RUN_TRIAL(p, pulls, 100, "ok");
-    CHECK_EACH(measured(&p, NAME), 0.0, {"l_all", 0.5}, {"l_force", 0.0});
+    CHECK_EACH(measured(&p, NAME), 0.0, {"l_all", 0.5}, {"l_force", 0.0}, {"f_contacts", 2.0});
 }
 
 /* The mean grain: of those that are listed some give their mass; a table says the same. */

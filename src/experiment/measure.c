@@ -56,10 +56,9 @@ static void no_numbers(exp_run *run, const exp_measure *m, rp_status status, con
 /* A value; *begins: it is none yet, since change(e) has its first. */
 static double sampled(exp_run *run, const exp_expression *e, bool *begins)
 {
-    bool first = e->x.n_states > 0;
-    for (size_t k = 0; k < e->x.n_states; k++) first &= run->counters[e->state + k] == 0.0;
     const double value = exp_value(run, e);
-    *begins |= first && isnan(value);
+    for (size_t k = 0; k < e->x.n_states; k++)
+        *begins |= isnan(value) && run->counters[e->state + k] == -INFINITY;
     return value;
 }
 
@@ -137,7 +136,7 @@ static rp_status take_counting(const exp_run *run, const exp_measure *m, rp_aren
     if (isinf(level->skip)) RP_TRY(stats_level_off(s->n, v, &from));
     for (size_t end; from < s->n; from = end) {
         end = isinf(level->skip) ? s->n : end_of_pass(s, from);
-        if (isfinite(level->skip)) from += (size_t)ceil(level->skip * (double)(end - from));
+        if (isfinite(level->skip)) from += (size_t)ceil(level->skip * (double)(end - from) - 1e-9);
         for (size_t i = from; i < end; i++) kept->at[kept->n++] = s->at[i];
     }
     return RP_OK;
@@ -259,7 +258,7 @@ static rp_status reduce(const exp_run *run, const exp_measure *m, double out[])
         if (!isfinite(all->at[i].value))
             return rp_fail(RP_NO_RESULT, "a sample is %g; `when` leaves samples out", all->at[i].value);
     RP_TRY(take_counting(run, m, &arena, &s));
-    if (s.n == 0) return rp_fail(RP_NO_RESULT, "one sample, and skip = %g", m->skip);
+    if (s.n == 0) return rp_fail(RP_NO_RESULT, "%zu samples, and skip = %g", all->n, m->skip);
     RP_NEW(&arena, v, s.n);
     RP_NEW(&arena, work, s.n);
     for (size_t i = 0; i < s.n; i++) v[i] = s.at[i].value;

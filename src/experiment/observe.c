@@ -169,7 +169,8 @@ static double largest_speed(exp_run *run, const exp_use *use)
     double x = 1.0, y = 0.0;
     dem_box_frame(run->sim, &x, &y);
     /* without a copy of all grains, for conditions that are looked at in each step */
-    if (!in.kinds && !in.circle && !in.n_points && x == 1.0 && (in.all || isinf(in.at[3] - in.at[2])))
+    if (!in.kinds && !in.circle && !in.n_points && x == 1.0 &&
+        (in.all || (isinf(in.at[2]) && isinf(in.at[3]))))
         return dem_largest_speed(run->sim, in.all ? -INFINITY : in.at[0], in.all ? INFINITY : in.at[1]);
     return sqrt(totals_of(run, use).speed2);
 }

@@ -25,7 +25,7 @@ const rp_param exp_measure_schema[] = {
      "earlier measure of the same phase: as many samples are left out as of that"},
     {"series", "", RP_BOOL, IN(series), "false", "", "whether to write a table of the samples too"},
     {"optional", "", RP_BOOL, IN(optional), "false", "",
-     "whether a run is good without it; a sample without a value is then left out"},
+     "whether a run is good without it; a module's sample without a value is then left out"},
     {"drop", "", RP_REAL, IN(drop), "none", "(0, inf) | none",
      "least fall that is an avalanche; none: samples with `event`"},
     {"unit", "", RP_TEXT, IN(unit), "", "", "of the column"},
@@ -70,7 +70,7 @@ static rp_status add_output(exp_plan *plan, const exp_measure *m, const char *en
     if (names && number >= length(names)) return RP_OK;
     o->name = names ? config_setting_get_string_elem(names, (int)number)
                     : rp_text(&plan->arena, "%s%s", begin, ending + (!*begin && *ending));
-    o->unit = strcmp(ending, "_n") == 0 ? "" : unit;
+    o->unit = unit;
     o->meaning = number == 0 && *m->meaning ? m->meaning : meaning;
     if (!o->name || !meaning) return RP_NO_MEMORY;
     for (size_t k = 0; k < plan->n_outputs; k++)
@@ -188,12 +188,12 @@ static rp_status read_when(exp_plan *plan, exp_measure *m)
     return RP_OK;
 }
 
-/* The unit of an observable that stands alone. */
+/* The unit of an observable that stands alone; NULL: it is another expression. */
 static const char *unit_named(const char *of)
 {
     const char *dot = of ? strchr(of, '.') : NULL;
     const exp_observable *o = of ? exp_observable_named(dot ? dot + 1 : of, ~(unsigned)OF_NEW) : NULL;
-    return o ? rp_unit(o->unit) : "";
+    return o ? rp_unit(o->unit) : NULL;
 }
 
 /* That of a sample. */
@@ -202,19 +202,17 @@ static const char *sampled_unit(const exp_measure *m, const char *of)
     return !m->module ? unit_named(of) : m->pick >= 0 ? rp_unit(m->module->outputs[m->pick].unit) : "";
 }
 
-/* The unit of a column of what is made of samples: as given, or of `of`, over time where it is a rate and
- * over that of `against` where it is a rise. */
+/* The unit of a column of what is made of samples: as given, or of `of`, over time where it is a rate; over
+ * that of `against` where it is a rise. */
 static const char *unit_of(exp_plan *plan, const exp_measure *m, const char *of, const char *ending)
 {
     const config_setting_t *line = member(m->setting, "against");
     const char *against = line ? config_setting_get_string(line) : NULL,
-               *over = m->take == TAKE_RATE                                    ? rp_unit("s")
-                       : m->take == TAKE_LINE && strncmp(ending, "_1", 2) == 0 ? unit_named(against)
-                                                                               : "";
-    const char *unit = sampled_unit(m, of);
-    if (*m->unit) return m->unit;
-    if (*over) unit = rp_text(&plan->arena, "%s/%s", *unit ? unit : "1", over);
-    return unit ? unit : "";
+               *unit = *m->unit ? m->unit : sampled_unit(m, of), *over = "";
+    if (m->take == TAKE_RATE && !*m->unit) over = rp_unit("s");
+    if (m->take == TAKE_LINE && strncmp(ending, "_1", 2) == 0) over = unit_named(against);
+    if (!unit || !over || strcmp(ending, "_n") == 0) return "";
+    return *over ? rp_text(&plan->arena, "%s/%s", *unit ? unit : "1", over) : unit;
 }
 
 /* The columns of a measure. */
@@ -233,6 +231,7 @@ static rp_status name_outputs(exp_plan *plan, exp_measure *m)
                                         plan->phases[m->phase].name)));
     m->n_outputs = plan->n_outputs - m->output;
     m->series_unit = *m->unit && m->take != TAKE_RATE ? m->unit : sampled_unit(m, given);
+    if (!m->series_unit) m->series_unit = "";
     return RP_OK;
 }
 
@@ -261,6 +260,7 @@ static rp_status read_level(const exp_plan *plan, exp_measure *m)
     if (other->phase != m->phase || other->every != m->every || other->take == TAKE_VALUE ||
         other->take == TAKE_FIRST || *other->during != *m->during || other->left_out)
         return rp_config_fail(setting, "level_of = \"%s\": samples of the same looks expected", m->level_of);
+    m->levels_with = other->levels_with;
     return RP_OK;
 }
 
@@ -281,6 +281,7 @@ static rp_status name_measure(exp_plan *plan, const config_setting_t *setting, e
                                     : exp_check_name(plan, setting, "a measure", m->name));
     if (!member(setting, "of"))
         return rp_config_fail(setting, "measure %s: of: missing (what is measured)", m->name);
+    if (*m->prefix) RP_TRY(exp_check_word(setting, "a column", m->prefix));
     RP_TRY(exp_read_if(plan, setting, &m->left_out));
     RP_TRY(check_columns(plan, m));
     m->file =
@@ -314,7 +315,8 @@ rp_status exp_read_measure(exp_plan *plan, size_t k)
 {
     exp_measure *m = &plan->measures[k];
     const exp_phase *p = &plan->phases[m->phase];
-    const config_setting_t *when = member(m->setting, "when"), *event = member(m->setting, "event");
+    const config_setting_t *sampled = exp_has_key(m->setting, "when every skip series drop"),
+                           *fall = exp_has_key(m->setting, "event drop");
     const exp_key_of keys[] = {{"of", m->module ? NULL : &m->of},
                                {"event", &m->event, .type = RP_X_TRUTH},
                                {"when", &m->when, .type = RP_X_TRUTH},
@@ -324,9 +326,10 @@ rp_status exp_read_measure(exp_plan *plan, size_t k)
     exp_place_in(&place, plan);
     place.names.measure = true;
     place.measure = k;
-    if (event && m->take != TAKE_AVALANCHES)
-        return rp_config_fail(event, "event: needs take = \"avalanches\"");
-    if (when && m->take == TAKE_VALUE) return rp_config_fail(when, "when: needs samples, during = \"PHASE\"");
+    if (sampled && m->take == TAKE_VALUE)
+        return rp_config_fail(sampled, "%s: needs samples, during = \"PHASE\"", config_setting_name(sampled));
+    if (fall && m->take != TAKE_AVALANCHES)
+        return rp_config_fail(fall, "%s: needs take = \"avalanches\"", config_setting_name(fall));
     m->states[0] = plan->n_states;
     RP_TRY(exp_read_keys(m->setting, "", keys, &place));
     m->states[1] = plan->n_states;

@@ -107,11 +107,11 @@ static double held(bool holds, double *state)
     return *state = holds ? *state + 1.0 : 0.0;
 }
 
-/* Since the last sample; of the first none. */
+/* Since the last sample; of the first none, which its state tells. */
 static double change(double a, double state[2])
 {
     const double by = state[1] != 0.0 ? a - state[0] : NAN;
-    state[0] = a, state[1] = 1.0;
+    state[0] = a, state[1] = state[1] != 0.0 ? 1.0 : -INFINITY;
     return by;
 }
 

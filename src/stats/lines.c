@@ -10,6 +10,7 @@ static const char TOO_LARGE[] = "no line: numbers so large or small that their s
 
 static rp_status check_points(const stats_xy *p, bool origin)
 {
+    const double other = origin || p->n == 0 ? 0.0 : p->x[0], round_off = 1e-12 * fabs(other);
     bool spread = false;
     double x = 0.0, y = 0.0;
     for (size_t i = 0; i < p->n; i++) {
@@ -19,7 +20,7 @@ static rp_status check_points(const stats_xy *p, bool origin)
         if (p->se && !(p->se[i] > 0.0 && isfinite(p->se[i])))
             return rp_fail(RP_BAD_INPUT, "point %zu: standard error = %g: out of range, allowed: (0, inf)",
                            i + 1, p->se[i]);
-        spread = spread || p->x[i] != (origin ? 0.0 : p->x[0]);
+        spread = spread || fabs(p->x[i] - other) > round_off;
         x = fmax(x, fabs(p->x[i])), y = fmax(y, fabs(p->y[i]));
     }
     const double large = 1e130; /* differences of numbers of its inverse still have exact squares */

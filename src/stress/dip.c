@@ -44,7 +44,8 @@ rp_status stress_base_profile(size_t n, const double x[], const double r[], cons
     if (!(total > 0.0)) return rp_fail(RP_NO_RESULT, "base: no load on it");
     base->centroid = moment / total;
     RP_TRY(base_width(n, x, N, total, base));
-    if (!(base->width > 0.0)) return rp_fail(RP_NO_RESULT, "base: all the load is at one position");
+    if (!(base->width > 1e-12 * fabs(base->centroid)))
+        return rp_fail(RP_NO_RESULT, "base: all the load is at one position");
     stress_base_bins(base, n, x, r, N, base->N);
     return RP_OK;
 }

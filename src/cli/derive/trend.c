@@ -211,7 +211,7 @@ const cli_command cmd_stats_trend = {
     "does a column of a table of runs depend on another?",
     "TABLE... -x COLUMN -y COLUMN [options]",
     "Does y depend on x? Least squares, one row per group. Errors come from the scatter at each x, which\n"
-    "counts as the same at all (else: --power, or equal numbers of rows); with --pair, from the slopes of\n"
+    "may differ, or, if an x has one row only, from that about the line; with --pair, from the slopes of\n"
     "single piles that have a row at every x. Words in column x count as 0, 1, ... in the order in which\n"
     "they appear.\n"
     "  change    of the fitted line over the whole range of x; change_lo, change_hi: 95 % interval;\n"

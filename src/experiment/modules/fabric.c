@@ -32,7 +32,9 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
     double cos2[2] = {0.0}, sin2[2] = {0.0}, sum[2] = {0.0};
     for (const dem_contact *c = s->contacts; c < s->contacts + s->n_contacts; c++) {
         if (c->id_b == 0 || !exp_view_has(s, c->id_a) || !exp_view_has(s, c->id_b)) continue;
-        const double off = isfinite(p->about) ? 0.5 * (c->x + c->x_b) - p->about : INFINITY;
+        double x = 0.5 * (c->x + c->x_b), y = 0.5 * (c->y + c->y_b);
+        dem_box_frame(s->sim, &x, &y);
+        const double off = isfinite(p->about) ? x - p->about : INFINITY;
         if (fabs(off) < p->apart) continue;
         const double side = copysign(1.0, off), lx = side * (c->x - c->x_b), ly = c->y - c->y_b,
                      l2 = lx * lx + ly * ly, weight[2] = {1.0, c->normal_force};

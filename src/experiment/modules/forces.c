@@ -16,7 +16,9 @@ static bool is_floor(const exp_view *s, const dem_contact *c)
 
 static bool is_in(const exp_view *s, const dem_contact *c)
 {
-    return c->x > s->lo[0] && c->x < s->hi[0] && c->y > s->lo[1] && c->y < s->hi[1];
+    double x = c->x, y = c->y;
+    dem_box_frame(s->sim, &x, &y);
+    return x > s->lo[0] && x < s->hi[0] && y > s->lo[1] && y < s->hi[1];
 }
 
 enum { N, H, SXX, SXY, SYX, SYY, FRICTION, BULK, COUPLE, WEIGHT_ERROR, BALANCE_ERROR };

@@ -43,6 +43,9 @@ static rp_status find_columns(const exp_view *s, const slope_params *p, ang_surf
     RP_SCOPE(memory);
     double *x;
     *first = *n = 0;
+    if (!(s->hi[0] - s->lo[0] >= 0.5 * s->d))
+        return rp_fail(RP_NO_RESULT, "the region goes from x = %g to %g, less than a column", s->lo[0],
+                       s->hi[0]);
     RP_NEW(&memory, x, 3 * s->n);
     double *y = x + s->n, *r = y + s->n;
     for (size_t i = 0; i < s->n; i++) {
