@@ -813,14 +813,6 @@ static void faults(void)
         CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_OVERLAP);
     }
 
-    grains[0].fixed = true;
-    def = grains_of(1, grains);
-    put_wall(&def, 0.0, 0.0, 0.0, 1.0);
-    def.walls[0].velocity[1] = 20.0;
-    grains_again(&sim, &def, 0);
-    CHECK_FAILS(dem_run(sim, 1000), RP_BROKEN, "grain 1: behind wall 1");
-    grains[0].fixed = false;
-
     def = grains_of(1, grains);
     def.gravity[1] = -1e9;
     grains_again(&sim, &def, 0);

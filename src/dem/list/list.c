@@ -96,9 +96,8 @@ static rp_status check_grain(dem_sim *sim, size_t i)
                         sim->grains.radius[i]);
     if (fabs(x[0]) > 1e9 * size || fabs(x[1]) > 1e9 * size)
         return dem_stop(sim, DEM_FAULT_LEAKED, i, "far away at x = %g, y = %g", x[0], x[1]);
-    for (size_t k = 0; k < sim->def.n_walls; k++) {
+    for (size_t k = 0; k < sim->def.n_walls && sim->grains.inverse_mass[i] > 0.0; k++) {
         const dem_wall_line *line = &sim->walls.line[k];
-        if (dem_is_fixed(sim, i) && !line->moves) continue;
         if (!(dem_dot(x - line->point, line->direction) < 0.0)) continue;
         if (dem_wall_is_line(&sim->walls.wall[k]) && !dem_wall_opens(sim, k))
             return dem_stop(sim, DEM_FAULT_LEAKED, i, "behind wall %zu at x = %g, y = %g", k + 1, x[0], x[1]);
