@@ -1216,6 +1216,10 @@ static void test_refused_more(void)
          "depth is known at the end of fill, after these samples"},
         {lift, "of = `y`; at = `lie`", "of = `y`; during = `lie`; take = `avalanches`",
          "avalanches are found by drop, or by event"},
+        {"dt = 6.2e-5; particles = ( { x = 0.0; y = 0.0; r = 0.1; } ); walls = ( { circle = (0.0, 0.0, 4.0); "
+         "sides = 9; } );\n"
+         "phases = ( { name = `turn`; box_turn_deg_per_step = 0.01; steps = 1; } );\n",
+         "0.01", "0.8", "phase turn: dt = 6.2e-05: too large"},
         {lift, "v = 2.0", "v = 900.0", "phase up: wall plate needs dt <= "},
         {lift, "every = 10;", "gravity = (0.0, `-1e9*t`); every = 10;", "phase up: dt = 0.0001: too large"},
         {lift, "`v`", "`2000*cos(t)`", "phase up: wall plate needs dt <= "}};

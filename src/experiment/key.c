@@ -297,7 +297,10 @@ static rp_status check_phases(const exp_plan *plan, dem_definition *def)
         if (phase->has_laws) dem_physics_apply(&phase->laws.physics, def);
         for (size_t w = 0; w < def->n_walls && phase->has_laws; w++)
             walls[w].material = dem_walls_of(&phase->def)[w].material;
-        if (phase->has_laws || exp_given(&phase->gravity[0])) {
+        double degrees = def->box_turn_per_step * (180.0 / M_PI);
+        largest(plan, phase, &phase->turn[1], &arena, &degrees);
+        def->box_turn_per_step = degrees * (M_PI / 180.0);
+        if (phase->has_laws || exp_given(&phase->gravity[0]) || exp_given(&phase->turn[1])) {
             const double limit = dem_time_step_limit(def, &what);
             if (def->dt > limit)
                 return dem_refuse_step(def, limit, what),
