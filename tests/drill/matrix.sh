@@ -74,7 +74,7 @@ snap=$work/sweeps/snap
 set -- run "$work/sweeps/row/scene.cfg" -o "$snap" --snapshot 200
 until timeout -s KILL 0.$((n % 8 + 1)) "$program" "$@" >/dev/null 2>&1 || [ $n -gt 200 ]; do
     n=$((n + 1))
-    set -- run --resume "$snap"
+    set -- run "$work/sweeps/row/scene.cfg" --resume "$snap"
     [ -f "$snap/unfinished/snapshot" ] || set -- run "$work/sweeps/row/scene.cfg" -o "$snap" --snapshot 200
 done
 cell scene "snapshots, $n starts" "$(grep -v '^#' "$snap/states.tsv" | md5sum | cut -c 1-32)"
