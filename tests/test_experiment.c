@@ -64,6 +64,50 @@ static void test_closed_forms(void)
     CU_ASSERT(isnan(measured(&t, "faster_se"))); /* and fifty whose steps correlate, too short a series */
 }
 
+/* Windows at equality: what lies exactly on an end, and shares that are no whole number of samples. */
+static void test_windows(void)
+{
+    static const char text[] =
+        "dt = 1.0e-4; gravity = (0.0, 0.0); particles = ( { x = 1.0; y = 1.0; r = 0.1; vx = 50.0; } );\n"
+        "phases = ( { name = `once`; least = 1000; every = 100; steps = 1100; },\n"
+        "  { name = `none`; least = 1000; every = 100; steps = 1000; fail = { no = `false`; }; },\n"
+        "  { name = `until`; least = 200; every = 50; most = 300; until = `phase_step >= 300`; },\n"
+        "  { name = `beyond`; every = 50; most = 300; until = `phase_step > 300`; go_on = true; },\n"
+        "  { name = `edge`; least = 100; every = 50; most = 100; until = `phase_step >= 100`; go_on = true; "
+        "status "
+        "= `ok_edge`; },\n"
+        "  { name = `hold`; every = 50; until = `held(phase_step >= 100, 3)`; },\n"
+        "  { name = `passes`; repeat = 3; phases = ( { name = `pass`; every = 10; steps = 70; } ); },\n"
+        "  { name = `many`; every = 5; steps = 500; } );\n"
+        "measure = ( { name = `first`; of = `phase_step`; during = `once`; take = `first`; },\n"
+        "  { name = `last`; of = `phase_step`; during = `once`; take = `max`; },\n"
+        "  { name = `no`; of = `phase_step`; during = `none`; take = `first`; optional = true; },\n"
+        "  { name = `met`; of = `phase_step`; at = `until`; },\n"
+        "  { name = `all`; of = `phase_step`; at = `beyond`; },\n"
+        "  { name = `looks`; of = `phase_step`; at = `hold`; },\n"
+        "  { name = `whole`; of = `phase_step`; during = `many`; take = `first`; skip = 0.07; },\n"
+        "  { name = `part`; of = `phase_step`; during = `many`; take = `first`; skip = 0.071; },\n"
+        "  { name = `one`; of = `phase_step`; during = `many`; take = `first`; skip = 1e-3; },\n"
+        "  { name = `end`; of = `phase_step`; during = `many`; take = `first`; skip = 0.99; },\n"
+        "  { name = `mean`; of = `phase_step`; during = `many`; skip = 0.071; },\n"
+        "  { name = `same`; of = `phase_step`; during = `many`; take = `first`; level_of = `mean`; },\n"
+        "  { name = `each`; of = `phase_step`; during = `pass`; skip = 0.5; },\n"
+        "  { name = `falls`; of = `phase_step - 20*floor(phase_step/20) < 10 ? 2 : 1`; during = `many`; take "
+        "= `avalanches`; drop "
+        "= 1.0; },\n"
+        "  { name = `less`; of = `phase_step - 20*floor(phase_step/20) < 10 ? 2 : 1`; during = `many`; take "
+        "= `avalanches`; drop "
+        "= 1.0000001; optional = true; } );\n";
+    for (long part = 1; part <= 1000; part *= 10) {
+        RUN_TRIAL(t, text, part, "ok_edge"); /* a phase does not look at its `least` */
+        CHECK_EACH(measured(&t, NAME), 0.0, {"first", 1100.0}, {"last", 1100.0}, {"met", 300.0},
+                   {"all", 300.0}, {"looks", 200.0}, {"whole", 40.0}, {"part", 45.0}, {"one", 10.0},
+                   {"end", 500.0}, {"mean", 272.5}, {"same", 45.0}, {"each", 60.0}, {"falls_n", 25.0},
+                   {"less_n", 0.0});
+        CU_ASSERT(isnan(measured(&t, "no")));
+    }
+}
+
 /* Times 64 longer, accelerations 4096 smaller: the same bits but for the exponents. What lies at rest under a
  * strong gravity lies so under a weak one, after as many steps, and what a lid presses without any. */
 static void test_rest_by_gravity(void)
@@ -1067,6 +1111,35 @@ static void test_limits_of_radii(void)
     }
 }
 
+/* Windows of modules at equality: a column that begins at `from`, or ends at `to`, counts; so does a height
+ * that is just that share of the heap's. */
+static void test_windows_of_modules(void)
+{
+    enum { COLUMNS = 100, BESIDE = 7 };
+    static const double tops[BESIDE] = {1.0, 0.9375, 0.875, 0.75, 0.5, 0.375, 0.25};
+    CHECK_WRITTEN(
+        text, to,
+        fputs("dt = 1e-9; gravity = (0.0, 0.0); regions = { bed = { x = (0.0, 20.0); }; heap = { x = (30.0, "
+              "40.0); }; };\nparticles = ( ",
+              to);
+        for (int k = 0; k < COLUMNS; k++)
+            fprintf(to, "{ x = %g; y = %.17g; r = 0.1; }, ", 0.2 * k + 0.1, 0.1 + 1e-3 * k * k);
+        for (int k = 1 - BESIDE; k < BESIDE; k++)
+            fprintf(to, "%s{ x = %g; y = %.17g; r = 0.1; }", k > 1 - BESIDE ? ", " : "", 35.0 + 0.2 * k,
+                    tops[abs(k)] - 0.1);
+        fputs(
+            " );\nphases = ( { name = `look`; steps = 0; } );\nmeasure = ( { name = `s`; of = `slope`; in = "
+            "`bed`; from = 0.07; to = 0.29; },\n  { name = `f`; of = `flanks`; in = `heap`; from = 0.5; "
+            "to = 0.875; touching = false; } );\n",
+            to));
+    RUN_TRIAL(t, text, 100, "ok");
+    CHECK_NEAR(measured(&t, "s_r1_deg"), atan(1e-3 * (7.0 * 7.0 - 28.0 * 28.0) / (21.0 * 0.2)) * 180.0 / M_PI,
+               1e-9);
+    /* heights 0.875, 0.75 and 0.5 in three columns */
+    CHECK_EACH(measured(&t, NAME), 1e-9, {"f_left_deg", atan(0.375 / 0.4) * 180.0 / M_PI},
+               {"f_right_deg", atan(0.375 / 0.4) * 180.0 / M_PI});
+}
+
 /* The base of a pile on grains that never move; names with an own beginning; a flank ends at a gap. */
 static void test_more_modules(void)
 {
@@ -1306,11 +1379,12 @@ static void test_random_texts(void)
     }
 }
 
-CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, test_rest_by_gravity,
-                   test_looks_at_rest, test_phases, test_known_so_far, test_line_of_correlated, test_forces,
-                   test_surface_and_motion, test_walls, test_turned_walls, test_vibrated, test_modules,
-                   test_flanks_of_touching, test_avalanches, test_limits_of_radii, test_more_modules,
-                   test_mean_grain, test_refused_more, test_cuts, test_kept, test_where, test_started_at,
-                   test_words, test_refused, test_keys, test_random_texts, test_run, test_resumed, test_swept,
+CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, test_windows,
+                   test_rest_by_gravity, test_looks_at_rest, test_phases, test_known_so_far,
+                   test_line_of_correlated, test_forces, test_surface_and_motion, test_walls,
+                   test_turned_walls, test_vibrated, test_modules, test_flanks_of_touching, test_avalanches,
+                   test_limits_of_radii, test_windows_of_modules, test_more_modules, test_mean_grain,
+                   test_refused_more, test_cuts, test_kept, test_where, test_started_at, test_words,
+                   test_refused, test_keys, test_random_texts, test_run, test_resumed, test_swept,
                    test_shared_ends, test_other_measures, test_other_texts, test_other_snapshots,
                    test_sweeps_refused, test_slow_turns, test_computed_again)
