@@ -21,7 +21,7 @@ static bool all_fail, failing;
 time_t fault_wall_clock, fault_monotonic_clock;
 void (*fault_watch)(const char *call, int file, const char *from, const char *to);
 bool fault_shared_file_system;
-double fault_tick;
+double fault_tick, fault_monotonic_tick;
 
 /* Of fault_signal, shared with the processes that are forked. */
 static struct {
@@ -149,6 +149,11 @@ WATCHED(rename, (const char *path, const char *to), (path, to), to)
 WATCHED(unlink, (const char *path), (path), NULL)
 WATCHED(rmdir, (const char *path), (path), NULL)
 
+static struct timespec time_of(double seconds)
+{
+    return (struct timespec){(time_t)seconds, (long)(1e9 * (seconds - floor(seconds)))};
+}
+
 int clock_gettime(clockid_t clock, struct timespec *t)
 {
     static int (*real)(clockid_t, struct timespec *);
@@ -156,9 +161,12 @@ int clock_gettime(clockid_t clock, struct timespec *t)
     const int result = real(clock, t);
     if (clock == CLOCK_PROCESS_CPUTIME_ID && fault_tick > 0.0) {
         static double now;
-        now += fault_tick;
-        *t = (struct timespec){(time_t)now, (long)(1e9 * (now - floor(now)))};
+        *t = time_of(now += fault_tick);
         if (fault_watch) fault_watch("clock", -1, NULL, NULL);
+    }
+    if (clock == CLOCK_MONOTONIC && fault_monotonic_tick > 0.0) {
+        static double now;
+        *t = time_of(now += fault_monotonic_tick);
     }
     if (clock == CLOCK_REALTIME) t->tv_sec += fault_wall_clock;
     if (clock == CLOCK_MONOTONIC) t->tv_sec += fault_monotonic_clock;

@@ -17,9 +17,9 @@ bool fault_possible(fault kind);
 /* By which the clocks are wrong, s. */
 extern time_t fault_wall_clock, fault_monotonic_clock;
 
-/* Unless 0: the processor time of this process, s, is so much later at each look at it, and nothing else
- * moves it. */
-extern double fault_tick;
+/* Unless 0: the processor time of this process, or monotonic time, s, is so much later at each look at it,
+ * and nothing else moves it. */
+extern double fault_tick, fault_monotonic_tick;
 
 /* Called before each fsync (of a file), rename (from, to), unlink and rmdir (from); with a tick of the clock
  * also before each look at it ("clock"). */
