@@ -273,8 +273,7 @@ static rp_status fill_page(cli_call *call, const void *values)
     const page_options *o = values;
     page p = {.tables = {call->arena, o->tables, NULL}};
     RP_TRY(report_claims_read(p.tables.arena, o->claims, &p.claims));
-    (void)unlink(o->o); /* a page has no mark of the program's own files */
-    RP_TRY(rp_file_open(o->o, &p.out));
+    RP_TRY(rp_file_open(o->o, true, &p.out));
     return rp_file_close(o->o, p.out, fill_file(&p, cli_argument(call, 0)));
 }
 

@@ -145,6 +145,14 @@ int renameat(int from, const char *path, int folder, const char *to)
     return real(from, path, folder, to);
 }
 
+int renameat2(int from, const char *path, int folder, const char *to, unsigned flags)
+{
+    static int (*real)(int, const char *, int, const char *, unsigned);
+    if (!real) *(void **)&real = dlsym(RTLD_NEXT, "renameat2");
+    if (fault_watch) fault_watch("renameat2", -1, path, to);
+    return fault_shared_file_system ? (errno = EINVAL, -1) : real(from, path, folder, to, flags);
+}
+
 WATCHED(rename, (const char *path, const char *to), (path, to), to)
 WATCHED(unlink, (const char *path), (path), NULL)
 WATCHED(rmdir, (const char *path), (path), NULL)

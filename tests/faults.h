@@ -21,8 +21,8 @@ extern time_t fault_wall_clock, fault_monotonic_clock;
  * and nothing else moves it. */
 extern double fault_tick, fault_monotonic_tick;
 
-/* Called before each fsync (of a file), rename (from, to), unlink and rmdir (from); with a tick of the clock
- * also before each look at it ("clock"). */
+/* Called before each fsync (of a file), rename and renameat2 (from, to), unlink and rmdir (from); with a tick
+ * of the clock also before each look at it ("clock"). */
 extern void (*fault_watch)(const char *call, int file, const char *from, const char *to);
 
 /* From now on fault_watch sends a signal to this process before the n-th of the calls, of it or of a process
@@ -30,7 +30,7 @@ extern void (*fault_watch)(const char *call, int file, const char *from, const c
  * a process goes on when the signal has been seen. */
 void fault_signal(int signal, const char *part, long n);
 
-/* Every file system is said to be one of several machines (NFS). */
+/* Every file system is said to be one of several machines (NFS), on which folders can't be exchanged. */
 extern bool fault_shared_file_system;
 
 #endif

@@ -117,17 +117,24 @@ static struct {
     int signal;
     const char *part;
     long n;
+    double tick;
 } ordered;
 
 static void order_signal(void)
 {
-    fault_tick = 1.0;
+    fault_tick = ordered.tick;
     fault_signal(ordered.signal, ordered.part, ordered.n);
 }
 
 int run_signalled(int signal, const char *part, long n, const char *words)
 {
-    ordered.signal = signal, ordered.part = part, ordered.n = n;
+    ordered.signal = signal, ordered.part = part, ordered.n = n, ordered.tick = 1.0;
+    return run_begun(words, order_signal);
+}
+
+int run_by_minutes(int signal, const char *part, long n, const char *words)
+{
+    ordered.signal = signal, ordered.part = part, ordered.n = n, ordered.tick = 60.0;
     return run_begun(words, order_signal);
 }
 

@@ -47,6 +47,9 @@ int run_forked(const char *words, void (*begin)(void));
 int run_begun(const char *words, void (*begin)(void));
 int run_signalled(int signal, const char *part, long n, const char *words);
 
+/* The same where each look is a minute later, so that `repose run` writes a snapshot then. */
+int run_by_minutes(int signal, const char *part, long n, const char *words);
+
 /* A successful run leaves standard error empty but for the line that ends `repose run`: no
  * other message, and no progress without a terminal. */
 bool good(const char *file, int line, int status);

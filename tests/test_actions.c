@@ -545,7 +545,7 @@ static void test_profile(void)
         "  { name = `mean`; of = `profile`; along = `x`; bins = 4; in = `box`; during = `q`; every = 10; } "
         ");\n";
     write_trial("p.cfg", text);
-    GOOD("run p.cfg -o p --snapshot 7");
+    GOOD("run p.cfg -o p");
     scoped_table rows = read_table("p/profile_rows.tsv");
     scoped_table measures = read_table("p/measures.tsv");
     CU_ASSERT_FATAL(rows.n_rows == 2 && measures.n_rows == 1);
@@ -564,8 +564,8 @@ static void test_profile(void)
     CHECK_NEAR(cell(&mean, 1, "grains"), 2.0, 0.0); /* of both ways, x from 0.5 to 1 */
     CHECK_NEAR(cell(&mean, 2, "grains"), 2.0, 0.0);
     SHELL("grep -qx '# samples: 3' p/profile_mean.tsv");
-    /* stopped and gone on with: the same bytes */
-    SHELL("mkdir r && cd r && cp ../p.cfg . && cp -r ../p/. whole && $REPOSE run p.cfg -o p --snapshot 7 "
+    /* in other parts: the same bytes */
+    SHELL("mkdir r && cd r && cp ../p.cfg . && cp -r ../p/. whole && $REPOSE run p.cfg -o p "
           "--every 3 >/dev/null 2>&1 && grep -v '^#' p/profile_mean.tsv >x && grep -v '^#' "
           "whole/profile_mean.tsv | cmp - x");
     SHELL("sed 's/in = \"box\"; at/in = \"half\"; at/' p.cfg >h.cfg");
@@ -588,14 +588,14 @@ static void test_kept(void)
         "  { name = `hit`; add = { r = 0.1; x = 1.0; y = `touch`; vy = `-v`; }; steps = 500; } );\n"
         "measure = ( { name = `before`; of = `y`; at = `bed`; }, { name = `after`; of = `y`; } );\n";
     write_trial("k.cfg", text);
-    GOOD("run k.cfg -o whole --snapshot 900");
+    GOOD("run k.cfg -o whole");
     SHELL("cut -f1 whole/states.tsv | grep -v '^#' | sort -nu | tr '\\n' ' ' >out");
     CU_ASSERT_STRING_EQUAL(out, "step 700 1400 2100 2800 3500 4000 4200 4500 ");
     SHELL("(grep -vc '^#' whole/energy.tsv; grep -vc '^#' whole/contacts.tsv; grep -vc '^#' "
           "whole/walls.tsv) >out");
     CU_ASSERT_STRING_EQUAL(out, "47\n1\n7\n"); /* walls at both ends */
     /* without intervals, frames at the ends of phases, also where a text goes back */
-    SHELL("sed '/output =/d' k.cfg >f.cfg && $REPOSE run f.cfg -o f --snapshot 900 >notes 2>err && cut -f1 "
+    SHELL("sed '/output =/d' k.cfg >f.cfg && $REPOSE run f.cfg -o f >notes 2>err && cut -f1 "
           "f/contacts.tsv | grep -v '^#' | sort -nu | tr '\\n' ' ' >out");
     CU_ASSERT_STRING_EQUAL(out, "step 4000 4500 ");
     SHELL("grep -qx '# phase bed: 1 pass, to step 4000, t = 0.2' notes && grep -q '^# phase hit: 1 pass, to "
@@ -618,7 +618,6 @@ static void test_kept(void)
     FAILS(65, "it has none", "run k.cfg --from .");
     SHELL("sed 's/ keep = true;//' k.cfg >n.cfg");
     FAILS(64, "no phase with keep", "run n.cfg --from whole");
-    FAILS(64, "takes no -o", "run k.cfg --resume whole --from whole");
     SHELL("printf x | dd of=whole/end_bed.state bs=1 seek=5000 conv=notrunc 2>/dev/null");
     FAILS(65, "damaged", "run k.cfg --from whole");
 }

@@ -27,8 +27,8 @@
 /* Does an option say that it is required, or its default? Those of texts that may be left out say neither. */
 static bool is_whole(const rp_param *p)
 {
-    static const char *const without[] = {"where", "set",    "o",     "outline", "disks",
-                                          "from",  "resume", "color", "shard",   "start"};
+    static const char *const without[] = {"where", "set",   "o",     "outline", "disks",
+                                          "from",  "color", "shard", "start"};
     const size_t length = strlen(p->name);
     bool whole = p->type == RP_BOOL || !p->fallback || *p->fallback;
     for (size_t k = 0; k < sizeof without / sizeof *without; k++) whole |= strcmp(p->name, without[k]) == 0;
@@ -122,9 +122,8 @@ static void test_wrong_usage(void)
         {64, "--base needs --alpha-deg", "lattice --base 5"},
         {64, "usage: repose lattice", "lattice --layers 5 6"},
         {64, "usage: repose angle slope FILE", "angle slope --width 4"},
-        {64, "give a file, or --resume DIR", "run"},
-        {64, "-o: empty; leave it out", "run s.cfg -o ''"},
-        {64, "--resume: empty", "run s.cfg --resume ''"}};
+        {64, "usage: repose run SCENE.cfg", "run"},
+        {64, "-o: empty; leave it out", "run s.cfg -o ''"}};
     CHECK_FAILURES(list);
 }
 
@@ -136,8 +135,7 @@ static void test_slurm(void)
         {65, "--time 1:00:00 and --mem 1G expected", "sweep slurm d --shards 2 --mem '1 G'"},
         {65, "--shards 1001: Slurm takes arrays of up to 1000 tasks, unless its MaxArraySize is raised; give",
          "sweep slurm d --shards 1001"},
-        {65, "array.sh: is not what these options say; move it away for a new one",
-         "sweep slurm d --shards 6"},
+        {65, "array.sh: is there; give another name, or --force", "sweep slurm d --shards 6"},
         {65, "none: no such folder", "sweep slurm none --shards 2"},
         {65, "empty: no sweep.cfg", "sweep slurm empty --shards 2"}};
     static char script[4096];
@@ -216,9 +214,9 @@ static void test_random_folders(void)
         fflush(words);
         const pid_t child = fork();
         if (child == 0) {
-            char *line[] = {"repose", "sweep", "slurm", folder, "--shards", "2", NULL};
+            char *line[] = {"repose", "sweep", "slurm", folder, "--shards", "2", "--force", NULL};
             if (chdir(root) != 0 || !freopen("said", "w", stdout)) _exit(99);
-            exit(repose_main(6, line));
+            exit(repose_main(7, line));
         }
         CU_ASSERT(waitpid(child, &end, 0) == child && end == 0);
         size_t n;
@@ -462,9 +460,9 @@ static void test_broken_output(void)
     static const failure list[] = {
         {74, "file/d", "sweep plan s.cfg -o file/d"},
         {74, "file/t.tsv", "sweep export d -o file/t.tsv"},
-        {65, "d/store.sqlite: belongs to the sweep s.cfg", "sweep export d -o ./d/store.sqlite"},
+        {65, "d/store.sqlite: is there; give another name", "sweep export d -o ./d/store.sqlite"},
         {74, "file/d", "run scene.cfg -o file/d"},
-        {74, "file: not a directory", "run scene.cfg -o file"},
+        {65, "file: not a folder", "run scene.cfg -o file"},
         {74, "file/d", "run s.cfg -o file/d"},
         {74, "garbage/store.sqlite: cannot read the store", "sweep run garbage"},
         {74, "garbage/store.sqlite: cannot read the store", "sweep status garbage"},
@@ -487,7 +485,7 @@ static void test_broken_output(void)
     /* a limit of the file's size is a failed write, and no half table stays */
     SHELL_FAILS(74, "File too large",
                 "ulimit -f 1; exec \"$REPOSE\" run scene.cfg --every 1 --set steps=99 -o full >out 2>err");
-    SHELL("test -z \"$(ls full)\"");
+    SHELL("! test -e full");
     slurp("file", out, sizeof out);
     CU_ASSERT_STRING_EQUAL(out, "a file where a folder is expected\n");
     slurp("garbage/store.sqlite", out, sizeof out);
@@ -1280,10 +1278,10 @@ static void test_broken_run(void)
     CU_ASSERT(t.n_rows >= 7 && t.n_rows < 20);
     for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "step"), 100.0 * (double)i, 0.0);
     FAILS(1, "leaked at step ", "run scene.cfg --every 100 -o d");
+    CHECK_PARTS(err, "; the tables so far are in d.part");
     CU_ASSERT(shell("exec \"$REPOSE\" run scene.cfg --every 100 >out 2>err") == 1);
-    CU_ASSERT(equal_tables("out", "d/unfinished/states.tsv"));
-    SHELL("tail -n 1 out | grep -q '^# unfinished: leaked at step'");
-    SHELL("tail -n 1 d/unfinished/energy.tsv | grep -q '^# unfinished: leaked at step'");
+    CU_ASSERT(equal_tables("out", "d.part/states.tsv"));
+    SHELL("tail -n 1 out | grep -q '^# unfinished: leaked at step' && ! test -e d");
     /* an overlap or a step beyond the radius is no result of the scene, and no fault of the program */
     write_text("crush.cfg", "gravity = [0.0, 0.0]; normal = { k_n = 1.0; gamma_n = 0.0; };\n"
                             "particles = ( { x = 0.0; y = 0.0; r = 0.1; m = 0.004; },\n"
@@ -1385,11 +1383,8 @@ static void test_make(void)
     SHELL("test -e u/f/disks.tsv");
     GOOD("continuum --alpha-deg 30");
     SHELL("grep -v '^#' out >a && grep -v '^#' u/1.tsv | cmp - a");
-    CU_ASSERT(run("pile --base 4 -o t/f2") == 0);
-    write_text("m.cfg", "model = ( { table = \"f2\"; with = \"pile\"; base = 3; folder = true; } );\n");
-    FAILS(65, "f2: t/f2: holds repose pile --base 4 -o t/f2", "sweep make m.cfg -o d --tables t");
-    SHELL("echo mine >t/runs.tsv");
-    FAILS(65, "t/runs.tsv: nothing in it shows", "sweep make s.cfg -o d --tables t --study");
+    SHELL("echo mine >u/f/notes");
+    FAILS(65, "f: u/f/notes: not of a result", "sweep make m.cfg -o d --tables u");
 }
 
 /* Each derivation of stored runs, by the setting and by the command, gives the same lines of data. */
@@ -1490,11 +1485,12 @@ static void test_settings(void)
     /* what is known of the tables before the first run */
     static const char *const late[][2] = {
         {"trace = ( { rows = [99]; } );", "rows: row_99: the sweep has 1 runs, from 0"},
-        {"derive = ( { table = \"mine\"; with = \"compare\"; } );", "t/mine.tsv: nothing in it shows"}};
-    SHELL("mkdir -p t && echo notes >t/mine.tsv");
+        {"derive = ( { table = \"mine\"; with = \"compare\"; } );",
+         "m: holds other files; give another folder"}};
+    SHELL("mkdir m && echo notes >m/mine.tsv");
     for (int k = 0; k < 2; k++) {
         write_text("s.cfg", "protocol = \"pile\"; replicas = 1; fixed = { base = 4; }; %s\n", late[k][0]);
-        FAILS(65, late[k][1], "sweep make s.cfg -o e/d --tables t --force");
+        FAILS(65, late[k][1], "sweep make s.cfg -o e/d --tables m --force");
         CU_ASSERT(access("e/d/tables/runs.tsv", F_OK) != 0 && strcmp(out, "") == 0);
     }
 }
@@ -1638,11 +1634,11 @@ static void test_run_help(void)
     for (size_t c = 0; at && c < t.n_columns; c++) CU_ASSERT_PTR_NOT_NULL(at = strstr(at, t.names[c]));
 }
 
-/* Frames and snapshots come at multiples of their own intervals. */
+/* Frames come at multiples of their interval, and at the end. */
 static void test_run_intervals(void)
 {
     write_text("s.cfg", "steps = 129; particles = ( { x = 1.0; y = 5.0; r = 0.1; } );\n");
-    CU_ASSERT(run("run s.cfg --every 50 --snapshot 20 -o d") == 0);
+    CU_ASSERT(run("run s.cfg --every 50 -o d") == 0);
     scoped_table t = read_table("d/energy.tsv");
     CU_ASSERT_EQUAL(t.n_rows, 4);
     for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "step"), fmin(50.0 * (double)i, 129.0), 0.0);
@@ -1707,109 +1703,38 @@ static void test_undamped_sweep(void)
     CU_ASSERT(run("sweep plan s.cfg -o d") == 65 && strstr(err, "give restitution_speed, in (0, inf)"));
 }
 
-/* Waits until the process $p catches SIGTERM, SIGINT and SIGHUP. */
-#define CATCHES                                                                                              \
-    "while kill -0 $p && ! grep -q '^SigCgt.*[4-7c-f]..[37bf]$' /proc/$p/status; do sleep 0.02; done; "
-
 /* A stopped run, of a scene or of a sweep's row, leaves the whole result that is there as it is, and its own
- * tables apart; a whole run replaces both. */
+ * apart; where it runs for long, too, without tables to write meanwhile. nohup: until the run has ended. */
 static void test_run_stopped(void)
 {
+    static const int signals[] = {SIGTERM, SIGINT, SIGHUP};
     write_text("s.cfg",
                "steps = 2000; particles = ( { x = 0.0; y = 0.0; r = 0.1; } ); gravity = [0.0, 0.0];\n");
     write_text("r.cfg",
                "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; fill_steps = 100; stop = \"steps\"; };\n"
                "grid = { relax_steps = [100, 1000000000]; };\n");
+    write_text("many.cfg", "steps = 2000000000; fill = { N = 90; W = 2.0; H = 4.0; };\n"
+                           "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n");
     GOOD("run s.cfg --every 10 -o d --force");
     SHELL("\"$REPOSE\" run s.cfg --every 10 -o closed <&- >&- 2>&-; grep -v '^#' closed/states.tsv >out; "
           "grep -v '^#' d/states.tsv | cmp - out");
     GOOD("run r.cfg --row 0 -o r");
     SHELL("cat d/*.tsv r/* >before");
-    static const char *const signals[] = {"TERM", "INT", "HUP"};
     for (int k = 0; k < 3; k++) {
-        SHELL_FAILS(75, "of 2000000000; the tables so far are in d/unfinished",
-                    "\"$REPOSE\" run s.cfg --set steps=2000000000 --every 100000 -o d --force >out 2>err & "
-                    "p=$!\n" CATCHES "kill -%s $p; wait $p",
-                    signals[k]);
-        scoped_table t = read_table("d/unfinished/states.tsv");
-        CU_ASSERT(t.n_rows >= 1 && cell(&t, 0, "step") == 0.0);
-        SHELL("tail -n 1 d/unfinished/states.tsv | grep -q '^# unfinished: stopped at step'");
-        SHELL_FAILS(75, "stopped; the tables so far are in r/unfinished",
-                    "\"$REPOSE\" run r.cfg --row 20 --force -o r >out 2>err & p=$!; " CATCHES
-                    "kill -%s $p; wait $p",
-                    signals[k]);
+        static const char *const words[] = {"run s.cfg --set steps=2000000000 --every 100000 -o d --force",
+                                            "run r.cfg --row 20 --force -o r", "run many.cfg -o many"};
+        for (size_t w = 0; w < 3; w++) {
+            CU_ASSERT(run_signalled(signals[k], "clock", 20 + 3 * k, words[w]) == 75);
+            CHECK_PARTS(err, "stopped", "; the same command continues\n");
+        }
     }
-    SHELL("! ls d | grep -q tmp; cat d/*.tsv r/*.* | cmp - before");
-    /* without tables to write meanwhile as well: few steps pass between two looks at the signal */
-    write_text("many.cfg", "steps = 2000000000; fill = { N = 90; W = 2.0; H = 4.0; };\n"
-                           "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n");
-    SHELL_FAILS(75, "stopped at step",
-                "\"$REPOSE\" run many.cfg >out 2>err & p=$!; " CATCHES "kill $p; wait $p");
-    /* nohup: until the run, or the sweep, has ended */
-    SHELL("for what in 'run many.cfg --set steps=30000' 'sweep make r.cfg -o n --set x'; do set -- $what; [ "
-          "$1 = run ] || { sed 's/100, 1000000000/3000, 4000/' r.cfg >n.cfg; set -- sweep make n.cfg -o n -j "
-          "1; }; trap '' HUP; \"$REPOSE\" \"$@\" >out 2>err & p=$!; trap - HUP; while kill -HUP $p "
-          "2>/dev/null; do sleep 0.02; done; wait $p || exit 1; done");
-    /* neither a run that can be resumed nor that of another process is thrown away */
-    SHELL("touch d/unfinished/snapshot");
-    FAILS(65, "an unfinished run; continue with --resume d", "run s.cfg -o d --force");
-    SHELL("rm d/unfinished/snapshot");
-    CU_ASSERT(shell("flock d \"$REPOSE\" run s.cfg -o d >out 2>err") == 74 &&
-              strstr(err, "another process runs in this folder"));
+    SHELL("test -s d.part/snapshot && test -s r.part/snapshot && test -s many.part/snapshot && ! test -e "
+          "many && cat "
+          "d/*.tsv r/*.* | cmp - before");
+    SHELL("trap '' HUP; \"$REPOSE\" run many.cfg --set steps=30000 >out 2>err & p=$!; while kill -HUP $p "
+          "2>/dev/null; do sleep 0.02; done; wait $p");
     GOOD("run s.cfg --every 10 -o d --force");
-    SHELL("! test -e d/unfinished; cat d/*.tsv r/*.* | cmp - before");
-}
-
-/* A folder with results of something else is not written over: scene, row and sweep into each other's. */
-static void test_folders(void)
-{
-    write_text("a.cfg",
-               "steps = 20; particles = ( { x = 0.0; y = 0.0; r = 0.1; } ); gravity = [0.0, 0.0];\n");
-    write_text("b.cfg",
-               "steps = 20; particles = ( { x = 0.0; y = 0.0; r = 0.2; } ); gravity = [0.0, 0.0];\n");
-    write_text("s.cfg", "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; fill_steps = 10; stop = "
-                        "\"steps\"; relax_steps = 10; };\n");
-    PRINTS_ALL("", "run a.cfg --every 10 -o a");
-    SHELL("cp s.cfg t.cfg");
-    GOOD("run s.cfg -o r");
-    GOOD("sweep plan s.cfg -o s");
-    SHELL("cat a/* r/* >before");
-    static const failure refused[] = {
-        {65, "a: holds a.cfg, 20 steps, a frame each 10, key ", "run b.cfg -o a"},
-        {65, "(repose run a.cfg --every 10 -o a); give another folder, or --force", "run b.cfg -o a"},
-        {65, "a: holds a.cfg, 20 steps", "run a.cfg -o a"},
-        {65, "a: holds a.cfg, 20 steps", "pile -o a"},
-        {65, "a: holds a.cfg, 20 steps", "run b.cfg -o a --snapshot 5"},
-        {65, "a: holds a.cfg, 20 steps", "run a.cfg --set dt=1e-5 -o a"},
-        {65, "a: holds a.cfg, 20 steps", "run s.cfg -o a"},
-        {65, "r: holds s.cfg row 0 (repose run s.cfg -o r)", "run s.cfg --row 1 -o r"},
-        {65, "r: holds s.cfg row 0", "run a.cfg -o r"},
-        {65, "s: holds the sweep s.cfg; give another folder", "run a.cfg -o s"},
-        {65, "s: holds the sweep s.cfg; give another folder", "run s.cfg -o s --force"},
-        {65, "s: holds the sweep s.cfg; give another folder, or --force", "sweep plan t.cfg -o s"},
-        {65, "a: holds a.cfg, 20 steps", "sweep plan s.cfg -o a"},
-        {65, "a: holds a.cfg, 20 steps", "sweep make s.cfg -o a --tables ."},
-        {65, "r: holds s.cfg row 0", "sweep make s.cfg -o r --tables ."}};
-    CHECK_FAILURES(refused);
-    SHELL("cat a/* r/* | cmp - before && ! test -e s/states.tsv && ! test -e a/unfinished");
-    GOOD("sweep plan s.cfg -o s");
-    GOOD("sweep plan s.cfg --replicas 3 -o s");
-    /* as asked for; a dump goes with its tables */
-    GOOD("run b.cfg -o a --force --dump vtk");
-    FAILS(65, "a: holds b.cfg, 20 steps", "run a.cfg -o a");
-    GOOD("run a.cfg -o a --force");
-    SHELL("test \"$(ls a | tr '\\n' ' ')\" = 'contacts.tsv energy.tsv states.tsv walls.tsv '");
-    CU_ASSERT(run("pile -o a --force") == 0);
-    SHELL("test \"$(ls a | tr '\\n' ' ')\" = 'base.tsv contacts.tsv disks.tsv wells.tsv '");
-    GOOD("sweep plan t.cfg -o s --force");
-    FAILS(65, "s: holds the sweep t.cfg", "run a.cfg -o s");
-    /* older versions made no markers: what they made is not written over, and their sweeps go on */
-    SHELL("rm a/.repose s/.repose");
-    FAILS(65, "a/disks.tsv: not listed as the program's own; move it away", "run b.cfg -o a --force");
-    FAILS(65, "a/disks.tsv: not listed", "sweep plan s.cfg -o a");
-    FAILS(65, "s/store.sqlite: not listed", "run b.cfg -o s");
-    GOOD("sweep plan t.cfg -o s");
-    GOOD("view a -o a.svg");
+    SHELL("! test -e d.part; cat d/*.tsv r/*.* | cmp - before");
 }
 
 CHECK_SUITE_WITHIN(cli, "command line", enter, leave, test_hardened, test_help, test_wrong_usage,
@@ -1820,5 +1745,5 @@ CHECK_SUITE_WITHIN(cli, "command line", enter, leave, test_hardened, test_help, 
                    test_page_circles, test_stress_dip, test_cut_drops, test_stats_trends, test_stats_select,
                    test_free_fall, test_output_folder, test_broken_run, test_sweep, test_make,
                    test_derivations, test_settings, test_shared_piles, test_row_again, test_run_stopped,
-                   test_folders, test_energy_growth, test_run_intervals, test_run_help, test_run_scene,
-                   test_undamped_sweep, test_limits, test_stopped)
+                   test_energy_growth, test_run_intervals, test_run_help, test_run_scene, test_undamped_sweep,
+                   test_limits, test_stopped)

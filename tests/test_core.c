@@ -344,7 +344,7 @@ static void table_text(void)
     const char *path = folder_path(folder, "table.tsv");
     const double row[] = {0.1, 1.0 / 3.0, 2.0 / 3.0, 1e6, -0.0, 123456789012345680.0, 5e-324, INFINITY, -NAN};
     FILE *out;
-    CHECK_OK(rp_file_open(path, &out));
+    CHECK_OK(rp_file_open(path, true, &out));
     rp_table_provenance(out, NULL);
     rp_table_note_number(out, "B", 0.1, "sigma");
     rp_table_header(out, "a [cm], b, c, d, e, f, g, h, i");
@@ -547,11 +547,11 @@ static void tables(void)
     const char *path = folder_path(folder, "table.tsv");
     file_print(path, "theirs");
     FILE *theirs;
-    CHECK_FAILS(rp_file_open(path, &theirs), RP_BAD_INPUT, "nothing in it shows that this program wrote it");
-    unlink(path);
+    CHECK_FAILS(rp_file_open(path, false, &theirs), RP_BAD_INPUT,
+                ": is there; give another name, or --force");
     static const char *const columns[][2] = {{"x", "cm"}, {"y", ""}};
     FILE *out;
-    CHECK_OK(rp_file_open(path, &out));
+    CHECK_OK(rp_file_open(path, true, &out));
     rp_table_provenance(out, "a test");
     rp_table_columns(out, 2, columns);
     rp_table_row(out, 2, (double[]){0.1, -1.0 / 3.0});
@@ -568,7 +568,7 @@ static void tables(void)
     CU_ASSERT(isnan(v));
     CHECK_FAILS(rp_table_number(&t, 1, 1, 0, &v), RP_BAD_INPUT, "column 2 y: \"nan\" is not a finite number");
     /* a failed table leaves the old file unchanged */
-    CHECK_OK(rp_file_open(path, &out));
+    CHECK_OK(rp_file_open(path, true, &out));
     fputs("half", out);
     CU_ASSERT_EQUAL(rp_file_close(path, out, RP_NO_RESULT), RP_NO_RESULT);
     CHECK_OK(rp_table_read(path, &still));
@@ -576,13 +576,18 @@ static void tables(void)
     /* a link is not followed */
     const char *link = folder_path(folder, "a.link");
     CU_ASSERT_FATAL(symlink(path, link) == 0);
-    CHECK_FAILS(rp_file_open(link, &out), RP_BAD_INPUT, ".link: a link; move it away, or give another name");
+    CHECK_FAILS(rp_file_open(link, false, &out), RP_BAD_INPUT, ".link: is there");
+    CHECK_OK(rp_file_open(link, true, &out));
+    CHECK_OK(rp_file_close(link, out, RP_OK));
+    RP_ENDS(rp_table_free) rp_table linked;
+    CHECK_OK(rp_table_read(path, &linked));
+    CU_ASSERT(linked.n_rows == 2);
     unlink(link);
     /* a pipe is written to, not replaced */
     CU_ASSERT_FATAL(mkfifo(link, 0600) == 0);
     int reader = open(link, O_RDONLY | O_NONBLOCK);
     char got[8] = "";
-    CHECK_OK(rp_file_open(link, &out));
+    CHECK_OK(rp_file_open(link, false, &out));
     fputs("through", out);
     CHECK_OK(rp_file_close(link, out, RP_OK));
     CU_ASSERT(read(reader, got, 7) == 7 && strcmp(got, "through") == 0);
@@ -593,7 +598,7 @@ static void tables(void)
     CHECK_FAILS(rp_table_read(path, &cut), RP_BAD_INPUT, ":2: 1 cells where 2 are expected");
     unlink(path);
     CHECK_FAILS(rp_table_read(path, &gone), RP_BAD_INPUT, "cannot read");
-    CHECK_FAILS(rp_file_open("/no/such/folder/x", &out), RP_IO, "cannot write");
+    CHECK_FAILS(rp_file_open("/no/such/folder/x", false, &out), RP_IO, "cannot write");
     CHECK_FAILS(rp_make_directory("/dev/null/x"), RP_IO, "/dev/null");
     out = fopen("/dev/full", "w");
     fputs("x", out);
@@ -613,13 +618,13 @@ static void written_files(void)
     const char *path = folder_path(folder, "table.tsv");
     size_t size;
     FILE *one, *two;
-    CHECK_OK(rp_file_open(path, &one));
-    CHECK_OK(rp_file_open(path, &two));
+    CHECK_OK(rp_file_open(path, true, &one));
+    CHECK_OK(rp_file_open(path, true, &two));
     fputs(first, one);
     fputs("second", two);
     CHECK_OK(rp_file_close(path, two, RP_OK));
     CHECK_OK(rp_file_close(path, one, RP_OK));
-    CHECK_OK(rp_file_open(path, &two));
+    CHECK_OK(rp_file_open(path, true, &two));
     fputs("third", two);
     fault_order(FAULT_SYNC, 1, true);
     CHECK_FAILS(rp_file_close(path, two, RP_OK), RP_IO, "cannot write: Input/output error");

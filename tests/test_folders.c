@@ -1,115 +1,135 @@
 /* What people keep in and beside the program's folders: no command changes it. */
 #include <gsl/gsl_rng.h>
-#include <sys/resource.h>
-#include <sys/stat.h>
-#include <sys/xattr.h>
-#include <unistd.h>
+#include <signal.h>
 
-#include "core/file.h"
 #include "core/folder.h"
 #include "core/random.h"
 #include "tests/program.h"
 
 #define SCENE "steps = 4; gravity = [0.0, 0.0]; particles = ( { x = 0.0; y = 0.0; r = 0.1; } );\n"
-#define FIT                                                                                                  \
-    "fit = { k_x = [0.5, 2.0]; }; measured = ( { protocol = \"pile\"; of = \"D\"; value = 0.1; error = "     \
-    "0.5; "                                                                                                  \
-    "fixed = { base = 4; eps = 1e-2; }; } );\n"
 #define SWEEP "protocol = \"pile\"; replicas = 2; fixed = { base = 4; };\n"
 
 /* Make `what`, run the command, which is refused with this text, and compare what was made. */
 static void refused(const char *what, const char *command, const char *text)
 {
-    const char *line = check_text(
-        "rm -rf d side && mkdir d side && echo notes >side/notes && %s && cp -a d side before/", what);
+    const char *line =
+        check_text("rm -rf d* side && mkdir d side && echo notes >side/notes && %s && cp -a d* "
+                   "side before/",
+                   what);
     CU_ASSERT(shell("rm -rf before; mkdir before") == 0 && shell(line) == 0);
     FAILS(65, text, "%s", command);
-    SHELL("diff -r --no-dereference d before/d >out && diff -r side before/side >out");
+    SHELL(
+        "for f in d* side; do diff -r --no-dereference $f before/$f >out || { cat out >&2; exit 1; }; done");
 }
 
 static void test_refusals(void)
 {
     write_text("s.cfg", SCENE);
     write_text("w.cfg", SWEEP);
-    GOOD("run s.cfg -o r");
-    GOOD("sweep plan w.cfg -o w");
-    GOOD("sweep make w.cfg -o w -j 1 --quiet");
     write_text("w2.cfg", SWEEP);
-    write_text("f.cfg", FIT);
-    SHELL("mkdir -p row/unfinished; no=$(printf %032d | tr 0 -); echo x >row/unfinished/snapshot; printf "
-          "'repose folder 1\\nholds: \\n= %s unfinished\\n' $no >row/.repose; printf 'repose parts 1\\n"
-          "holds: w.cfg row 1 (go)\\n- %s snapshot\\n' $no >row/unfinished/.repose");
+    GOOD("run s.cfg -o r");
+    GOOD("sweep make w.cfg -o w -j 1 --quiet");
     static const char *const cases[][3] = {
-        {"cp -a row/. d", "pile -o d", "continue with the command that began it, of w.cfg row 1 (go)"},
-        {"cp -a r/. d", "calibrate f.cfg -o d", "d: holds "},
-        {"cp -a w/tables d", "sweep make w2.cfg -o d2 --tables d/tables",
-         "d/tables/runs.tsv: of the sweep w; give another --tables, or --force"},
-        {"cp -a row/. d", "run s.cfg -o d --force",
-         "continue with the command that began it, of w.cfg row 1"},
-        {"cp -a row/. d", "run --resume d", "the command that began it continues w.cfg row 1 (go)"},
-        {"cp -a row/. d", "run --resume d/unfinished", "d/unfinished: belongs to the unfinished run in /"},
-        {"cp -a row/. d", "pile -o d/unfinished/", "d/unfinished/: belongs to the unfinished run in /"},
-        {"cp -a row/. d", "sweep plan w.cfg -o d/unfinished", "d/unfinished: belongs to the unfinished run"},
-        {"cp -a row/. d", "export r --to csv -o d/unfinished/a",
-         "d/unfinished: belongs to the unfinished run"},
-        {"cp -a row/. d", "view r -o d/unfinished/a.svg", "d/unfinished: belongs to the unfinished run"},
-        {"mkdir d/unfinished && echo a >d/unfinished/notes.txt", "run s.cfg -o d",
-         "d/unfinished: not listed"},
-        {"mkdir d/unfinished", "pile -o d", "d/unfinished: not listed"},
-        {"ln -s ../side d/unfinished", "run s.cfg -o d --force", "d/unfinished: not listed"},
-        {"echo mine >d/states.tsv", "run s.cfg -o d",
-         "d/states.tsv: not listed as the program's own; move it away"},
-        {"ln -s ../side/notes d/walls.tsv", "run s.cfg -o d --force", "d/walls.tsv: not listed"},
-        {"echo mine >d/.repose", "run s.cfg -o d", "d/.repose: no marker of this version"},
-        {"echo mine >d/lock", "sweep plan w.cfg -o d", "d/lock: not listed"},
-        {"ln -s ../side/notes d/lock", "sweep plan w.cfg -o d --force", "d/lock: not listed"},
-        {"echo mine >d/sweep.cfg", "sweep plan w.cfg -o d", "d/sweep.cfg: not listed"},
-        {"cp -r r/. d", "run s.cfg -o d", "; give another folder, or --force to replace these results"},
-        {"cp -r r/. d && cp d/walls.tsv d/contacts.tsv", "view d -o a.svg",
-         "d/contacts.tsv: not what was written here"},
-        {"cp -r r/. d && echo more >>d/states.tsv", "export d --to csv",
-         "d/states.tsv: not what was written here"},
-        {"cp -r r/. d && echo more >>d/energy.tsv", "run s.cfg -o d --force", "d/energy.tsv: changed since"},
-        {"cp -r r/. d && rm d/walls.tsv && mkdir d/walls.tsv", "pile -o d --force", "d/walls.tsv: "},
-        {"cp -r r/. d && rm d/walls.tsv && ln -s ../side/notes d/walls.tsv", "run s.cfg -o d --force",
-         "d/walls.tsv: changed since"},
-        {"echo id,x,y,r >d/a.csv", "export r --to csv -o d/a.csv", "d/a.csv: nothing in it shows"},
-        {"echo 4 >d/a.xyz", "export r --to xyz -o d/a.xyz", "d/a.xyz: nothing in it shows"},
-        {": >d/a.csv.gz", "export r --to csv -o d/a.csv.gz", "d/a.csv.gz: nothing in it shows"},
-        {"echo '<?xml version=\"1.0\"?>' >d/a.pvd", "export r --to vtk -o d/a.pvd",
-         "d/a.pvd: nothing in it shows"},
-        {"echo '{' >d/a.json", "export r --to json -o d/a.json", "d/a.json: nothing in it shows"},
-        {"echo 'see:# program: repose 1' >d/a.tsv", "sweep export w -o d/a.tsv",
-         "d/a.tsv: nothing in it shows"},
-        {"echo 'figure, written by repose view' >d/a.svg", "view r -o d/a.svg",
-         "d/a.svg: nothing in it shows"},
-        {"ln -s ../side/notes d/a.svg", "view r -o d/a.svg", "d/a.svg: a link; move it away"},
-        {"echo mine >d/a.png", "view r -o d/a.png", "d/a.png: nothing in it shows"}};
+        {"cp -r r/. d", "run s.cfg -o d", "d: holds s.cfg, 4 steps, the last frame, key "},
+        {"cp -r r/. d", "pile -o d", "; give another folder, or --force to replace it"},
+        {"cp -r r/. d", "calibrate f.cfg -o d", "d: holds a result; give another folder"},
+        {"cp -r r/. d", "sweep plan w.cfg -o d", "d: holds other files and no sweep"},
+        {"cp -r r/. d && echo a >d/notes", "run s.cfg -o d --force",
+         "d/notes: not of a result of this program; move it away, or give another folder"},
+        {"cp -r r/. d && mkdir d/more", "pile -o d --force", "d/more: not of a result"},
+        {"cp -r r/. d && ln -s ../side/notes d/link", "pile -o d --force", "d/link: not of a result"},
+        {"cp -r r/. d && rm d/.repose", "run s.cfg -o d --force", "d/contacts.tsv: not of a result"},
+        {"cp -r w/. d", "run s.cfg -o d --force", "d/lock: not of a result"},
+        {"rmdir d && cp -r r side && ln -s side/r d", "run s.cfg -o d --force", "d: not a folder; move it"},
+        {"rmdir d && ln -s none d", "run s.cfg -o d", "d: not a folder"},
+        {"rmdir d && echo a >d", "run s.cfg -o d --force", "d: not a folder"},
+        {"echo mine >d/.repose", "run s.cfg -o d --force", "d: not of this version of the program"},
+        {"printf 'repose folder 1\\nholds: s.cfg\\n' >d/.repose && mkdir d/unfinished",
+         "run s.cfg -o d --force",
+         "d: not of this version of the program (.repose says so); move it away, or give another folder"},
+        {"mkdir d/unfinished", "run s.cfg -o d", "d/unfinished: not of a result"},
+        {"mkdir d.part && echo a >d.part/notes", "run s.cfg -o d --force",
+         "d.part: no result of this program; move it away"},
+        {":", "run s.cfg -o .", ".: give a folder by its name"},
+        {"mkdir d/d", "run s.cfg -o d/.", "d/.: give a folder by its name"},
+        {"cp -r w/tables d", "sweep make w2.cfg -o w2 --tables d/tables",
+         "d/tables: holds tables of the sweep w; give another folder, or --force"},
+        {"cp -r r/. d", "sweep make w.cfg -o w --tables d --force",
+         "d: holds s.cfg, 4 steps, the last frame"},
+        {"echo a >d/notes", "sweep make w.cfg -o w --tables d --force", "d: holds other files; give another"},
+        {"ln -s ../side/notes d/lock", "sweep plan w.cfg -o d --force", "d/lock: "},
+        {"echo mine >d/sweep.cfg", "sweep plan w.cfg -o d", "d: holds other files and no sweep"},
+        {"echo a >d/a", "export r --to csv -o d/a", "d/a: is there; give another name, or --force"},
+        {"echo a >d/a.pvd", "export r --to vtk -o d/a.pvd", "d/a.pvd: is there"},
+        {"mkdir d/a_frames && echo a >d/a_frames/grains_000000.vtp", "export r --to vtk -o d/a.pvd",
+         "d/a_frames/grains_000000.vtp: is there"},
+        {"echo a >d/a.in", "export s.cfg --to lammps-input -o d/a.in", "d/a.in: is there"},
+        {"ln -s ../side/notes d/a.svg", "view r -o d/a.svg", "d/a.svg: is there"},
+        {"ln -s none d/a.tsv", "sweep export w -o d/a.tsv", "d/a.tsv: is there"},
+        {"cp -r w/. d && echo a >d/array.sh", "sweep slurm d --shards 2", "d/array.sh: is there"},
+        {"echo a >d/a.tsv", "bench -n 9 --steps 1 --repeat 1 -o d/a.tsv", "d/a.tsv: is there"}};
+    write_text("f.cfg", "fit = { k_x = [0.5, 2.0]; };\n");
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) refused(cases[k][0], cases[k][1], cases[k][2]);
+    SHELL("echo mine >\"$(printf 'r/a\\nstates.tsv')\"; \"$REPOSE\" run s.cfg -o r --force >out 2>err; test "
+          "$? = "
+          "65 && test -e r/states.tsv && rm r/a*");
     FAILS(64, "\"steps=3\": one argument too many", "run s.cfg steps=3");
     FAILS(64, "\"more\": one argument too many", "sweep status r more");
-    /* the same command again, and for another selection, also where a format has no header if the file system
-     * has attributes; but not over what a person changed */
-    static const char *const exports[] = {"csv -o a.csv",     "csv -o a.csv.gz", "json -o a.json",
-                                          "lammps -o a.dump", "xyz -o a.xyz",    "vtk -o a.pvd"};
-    write_text("n", "a");
-    const bool signs = setxattr("n", "user.repose", "a", 1, 0) == 0;
-    for (size_t k = 0; k < sizeof exports / sizeof *exports; k++)
-        for (int again = 0; again < (signs ? 3 : 1); again++)
-            GOOD("export r --to %s %s", exports[k], again == 2 ? "--where id=1" : "");
-    SHELL("echo more >>a.csv");
-    FAILS(65, "a.csv: nothing in it shows", "export r --to csv -o a.csv");
-    /* of a finished result the marker has no name that is gone */
-    GOOD("run s.cfg --every 2 --dump vtk -o v");
-    SHELL("cd v/run_frames && test -e grains_000000.vtp && cut -c 36- .repose | sed 1,2d | while "
-          "read name; do test -e \"$name\" || exit 1; done");
-    /* patterns are names */
+}
+
+/* By force what is there is replaced: a file, a link and not what it points to, all of a result. */
+static void test_forced(void)
+{
+    write_text("s.cfg", SCENE);
+    write_text("w.cfg", SWEEP);
+    GOOD("run s.cfg -o r");
+    GOOD("sweep make w.cfg -o w -j 1 --quiet");
+    static const char *const commands[] = {
+        "export r --to csv -o a",    "export r --to vtk -o a.pvd", "export s.cfg --to lammps-input -o a.in",
+        "view r -o a.svg",           "sweep export w -o a",        "sweep slurm w --shards 2",
+        "bench -n 9 --steps 1 -o a", "export r --to xyz -o a"};
+    for (size_t k = 0; k < sizeof commands / sizeof *commands; k++)
+        for (int again = 0; again < 2; again++) {
+            SHELL("rm -f notes && echo notes >notes && ln -sf notes a");
+            CU_ASSERT(run("%s --force", commands[k]) == 0);
+            SHELL("test \"$(cat notes)\" = notes");
+        }
+    GOOD("pile --base 4 -o r --force");
+    SHELL("test \"$(ls r | tr '\\n' ' ')\" = 'base.tsv contacts.tsv disks.tsv wells.tsv '");
+    GOOD("run s.cfg -o r/ --force");
+    SHELL("test \"$(ls r | tr '\\n' ' ')\" = 'contacts.tsv energy.tsv states.tsv walls.tsv '; ! test -e "
+          "r.part");
+    /* in the tables of a sweep without, also its folders; those of another sweep by force */
+    write_text("m.cfg", "model = ( { table = \"f\"; with = \"pile\"; base = 4; folder = true; } );\n");
+    for (int again = 0; again < 2; again++) GOOD("sweep make m.cfg -o m --tables t");
+    SHELL("test -s t/f/disks.tsv && cp m.cfg n.cfg");
+    GOOD("sweep make n.cfg -o m --tables t --force");
+    SHELL("mkdir e");
+    GOOD("run s.cfg -o e"); /* an empty folder is free */
     GOOD("run s.cfg -o 'r[1]'");
     FAILS(65, "r[1]: holds s.cfg, 4 steps", "run s.cfg --set steps=3 -o 'r[1]'");
-    /* an older process that was killed leaves no command to move a person's files */
-    SHELL("mkdir d2 d2/unfinished.moving && echo a >d2/unfinished.moving/notes.txt && echo b >d2/notes.txt");
-    GOOD("run s.cfg -o d2");
-    SHELL("grep -q a d2/unfinished.moving/notes.txt && grep -q b d2/notes.txt");
+}
+
+/* Where folders can't be exchanged, as on NFS: an older one that a killed process left aside is not lost. */
+static void test_publish(void)
+{
+    rp_folder f, other;
+    RP_SCOPE(memory);
+    const char *dir = path_of("p"), *file = check_text("%s.part/a", dir);
+    CHECK_OK(rp_folder_begin(&memory, dir, "one\ntwo", false, &f));
+    CHECK_FAILS(rp_folder_begin(&memory, dir, "one\ntwo", false, &other), RP_IO, "p.part: another process");
+    rp_folder_end(&other);
+    CU_ASSERT(rp_folder_is_empty(&f));
+    file_print(file, "a");
+    CU_ASSERT(!rp_folder_is_empty(&f));
+    CHECK_OK(rp_folder_publish(&f));
+    rp_folder_end(&f);
+    SHELL("printf 'repose result 1\\none two\\na\\nsnapshot\\n' | cmp - p/.repose && ! test -e p.part");
+    CHECK_OK(rp_folder_begin(&memory, dir, "three", true, &f));
+    SHELL("echo mine >p/mine"); /* meanwhile */
+    CHECK_FAILS(rp_folder_publish(&f), RP_BAD_INPUT, "p/mine: not of a result");
+    rp_folder_end(&f);
+    SHELL("test -s p/a && ! test -e p.part");
 }
 
 /* Folders of sweeps: a link for the lock of a planned one, snapshots of another name. */
@@ -136,189 +156,52 @@ static void test_sweeps(void)
     SHELL("test \"$(ls 'y?/snapshots')\" = photo.png");
 }
 
-/* ---- 400 folders ---- */
-
-static gsl_rng *chance;
-
-static size_t draw(size_t n)
-{
-    return gsl_rng_uniform_int(chance, n);
-}
-
-/* What is a person's: a file with these bytes, a link with this target, or a folder. */
-typedef struct {
-    char path[128], text[64];
-    mode_t type;
-} thing;
-
-enum { MOST_THINGS = 12 };
-static struct {
-    size_t n;
-    thing of[MOST_THINGS];
-} mine;
-
-static bool is_same(const thing *t)
-{
-    struct stat info;
-    char text[128] = "";
-    if (lstat(t->path, &info) != 0 || (info.st_mode & S_IFMT) != t->type) return false;
-    if (t->type == S_IFLNK) return readlink(t->path, text, sizeof text - 1) > 0 && strcmp(text, t->text) == 0;
-    if (t->type == S_IFDIR) return true;
-    size_t n;
-    scoped char *bytes = file_read(t->path, &n);
-    return n == strlen(t->text) && memcmp(bytes, t->text, n) == 0;
-}
-
-/* May a person's thing stand there: in a folder, no link to one, under a name that is not the program's? */
-static bool is_free(const char *path)
-{
-    char *marker = NULL;
-    const char *name = strrchr(path, '/') + 1, *folder = check_text("%.*s", (int)(name - path) - 1, path);
-    struct stat info;
-    if (lstat(path, &info) == 0 || lstat(folder, &info) != 0 || !S_ISDIR(info.st_mode)) return false;
-    const bool is_own = rp_file_read(folder_path(folder, ".repose"), &marker) == RP_OK &&
-                        strstr(marker, check_text(" %s\n", name));
-    free(marker);
-    return !is_own;
-}
-
-/* Put something where nothing is. A reserved name is never an empty file. */
-static void put(const char *path, size_t kind, bool reserved)
-{
-    static const char *const targets[] = {"../side/notes", "../side", "nowhere", "../side/none"};
-    thing t = {.type = kind == 0 ? S_IFDIR : kind == 1 ? S_IFLNK : S_IFREG};
-    if (mine.n == MOST_THINGS || !is_free(path)) return;
-    snprintf(t.path, sizeof t.path, "%s", path);
-    if (t.type == S_IFDIR && mkdir(path, 0777) != 0) return;
-    if (t.type == S_IFLNK) {
-        snprintf(t.text, sizeof t.text, "%s", targets[draw(4)]);
-        if (symlink(t.text, path) != 0) return;
-    }
-    if (t.type == S_IFREG) {
-        if (reserved || draw(4) > 0) snprintf(t.text, sizeof t.text, "mine %zu\n\001\377\n", draw(1000));
-        file_write(path, t.text, strlen(t.text));
-    }
-    mine.of[mine.n++] = t;
-}
-
-/* One of each in a line; the last four are never empty files. */
-static const char names[] =
-    "states.tsv\nenergy.tsv\ncontacts.tsv\nunfinished\nunfinished.moving\nunfinished.moving/notes.txt\nlock\n"
-    "sweep.cfg\nsnapshots\nshards\nrun.xyz\nrun.pvd\nrun_frames\nbase.tsv\ndisks.tsv\nwells.tsv\nscene.cfg\n"
-    ".repose\narray.sh\npic.svg\nruns.tsv\nw.tsv\ndamaged.sqlite\nnotes [1].txt\n*\n?\n-x\n"
-    "unfinished/notes.txt\nunfinished/states.tsv\nunfinished/snapshot\nsnapshots/photo.png\n"
-    "snapshots/0123456789abcdef0123456789abcdef\nrun_frames/mine.vtp\nrun_frames/grains_000000.vtp\n"
-    "shards/mine\nshards/1-of-2.sqlite.lock\nstore.sqlite\n.repose.new\nunfinished/.repose.new\n"
-    "store.sqlite-wal";
-enum { N_NAMES = 40, RESERVED = N_NAMES - 4 };
-
-static rlim_t most_bytes; /* of a file of the program, unless 0 */
-
-static void limit_files(void)
-{
-    if (most_bytes > 0) setrlimit(RLIMIT_FSIZE, &(struct rlimit){most_bytes, most_bytes});
-}
-
-/* The program in this process's folder; `most` bytes a file, unless 0. */
-static void run_words(const char *text, rlim_t most)
-{
-    most_bytes = most;
-    const int end = run_forked(text, limit_files);
-    CU_ASSERT(end < 128 && end != 99 && end != 70);
-}
-
+/* Something of a person's in a result, or in the way: no command, not even by force, changes it. */
 static void test_random_folders(void)
 {
-    static const char *const starts[] = {"mkdir d", "cp -a run d", "cp -a pile d", "cp -a sweep d",
-                                         "cp -a stopped d"};
-    static const char *const commands[] = {"run s.cfg -o d",
-                                           "run s.cfg -o d --force",
-                                           "run s.cfg -o d --force --dump vtk",
-                                           "run s.cfg -o d --snapshot 1 --dump xyz",
-                                           "run --resume d",
-                                           "run w.cfg --row 1 -o d",
-                                           "run w.cfg -o d --force",
-                                           "pile --base 4 -o d",
-                                           "pile --base 4 -o d --force",
-                                           "sweep plan w.cfg -o d",
-                                           "sweep plan v.cfg -o d --force",
-                                           "sweep run d -j 1",
-                                           "sweep run d -j 1 --shard 1/2",
-                                           "sweep merge d",
-                                           "sweep slurm d --shards 2",
-                                           "sweep salvage d",
-                                           "sweep export d -o d/runs.tsv",
-                                           "sweep make w.cfg -o d -j 1 --tables d",
-                                           "export d --to csv -o d/runs.tsv",
-                                           "export d --to vtk -o d/run.pvd",
-                                           "export d --to xyz -o d/run.xyz",
-                                           "view d -o d/pic.svg",
-                                           "calibrate fit.cfg -o d -j 1 --budget 24"};
-    enum { N = sizeof commands / sizeof *commands };
-    const size_t rounds = check_fast() ? 60 : 400;
-    char base[FOLDER_PATH];
-    folder_make_in_memory("folders", base);
-    CU_ASSERT_FATAL(chdir(base) == 0);
-    file_print("s.cfg", "%s", SCENE);
-    file_print("w.cfg", "%s", SWEEP);
-    file_print("v.cfg", "%s", SWEEP);
-    file_print("fit.cfg", "%s", FIT);
-    run_words("run s.cfg -o run --dump vtk", 0);
-    run_words("pile --base 4 -o pile", 0);
-    run_words("sweep plan w.cfg -o sweep", 0);
-    run_words("run s.cfg --every 1 --set steps=4000 --snapshot 100 -o stopped", 9000);
-    CU_ASSERT(access("stopped/unfinished/snapshot", F_OK) == 0);
-    chance = rp_random_alloc(36, 1, RP_PURPOSE_TEST);
-    size_t kept = 0;
-    for (size_t k = 0; k < rounds; k++) {
-        const char *line[2];
-        const size_t start = draw(5);
-        CU_ASSERT(system(check_text("rm -rf d side && mkdir side && echo notes >side/notes && %s",
-                                    starts[start])) == 0);
-        mine.n = 0;
-        put("side/none", 0, false);
-        strcpy(mine.of[mine.n].path, "side/notes");
-        strcpy(mine.of[mine.n].text, "notes\n");
-        mine.of[mine.n++].type = S_IFREG;
-        /* one of the program's finished files may have become a person's */
-        if (start == 1 && draw(3) == 0) unlink("d/contacts.tsv");
-        if (start == 1 && draw(3) == 0) unlink("d/run_frames/grains_000000.vtp");
-        for (size_t n = 1 + draw(6); n > 0; n--) {
-            const size_t i = draw(N_NAMES);
-            const char *from = names;
-            char name[128] = "";
-            for (size_t at = 0; at <= i; at++) CU_ASSERT_FATAL(check_word(&from, "\n", name));
-            CU_ASSERT((*from == '\0') == (i == N_NAMES - 1)); /* the list has as many */
-            put(folder_path("d", name), draw(4), i >= RESERVED);
-        }
-        kept += mine.n;
-        for (size_t n = 0; n < 2; n++) run_words(line[n] = commands[draw(N)], 0);
-        for (const thing *t = mine.of; t < mine.of + mine.n; t++)
-            CHECK_OR_SAY(is_same(t), "%zu: %s of \"%s\" changed by %s; %s", k, t->path, starts[start],
-                         line[0], line[1]);
-        CU_ASSERT(rmdir("side/none") == 0 && unlink("side/notes") == 0 &&
-                  rmdir("side") == 0); /* and no more */
-    }
-    CU_ASSERT(kept > 4 * rounds);
-    gsl_rng_free(chance);
-    CU_ASSERT(chdir("/") == 0);
-    folder_remove(base);
-}
-
-/* One process is killed while a result takes its place, and the next one in the run after it. */
-static void test_killed_twice(void)
-{
-    rp_folder f, stage;
-    bool moved;
+    static const char *const things[] = {"echo mine >d/%s", "mkdir d/%s", "ln -s ../side/notes d/%s",
+                                         "ln -s ../side d/%s", ": >d/%s"},
+                             *const names[] = {"notes",       "unfinished",     "sweep.cfg",    "-x",
+                                               "'*'",         "states.tsv.old", "snapshot.new", "snapshots",
+                                               ".repose.new", "w.tsv"},
+                             *const starts[] = {"mkdir d", "cp -a run d", "cp -a pile d",
+                                                "cp -a part d.part; mkdir d"},
+                             *const commands[] = {"run s.cfg -o d",
+                                                  "run s.cfg -o d --force",
+                                                  "pile --base 4 -o d",
+                                                  "pile --base 4 -o d --force",
+                                                  "run w.cfg --row 1 -o d --force",
+                                                  "sweep plan w.cfg -o d",
+                                                  "sweep make w.cfg -o d -j 1 --tables d",
+                                                  "sweep make w.cfg -o e -j 1 --tables d --force",
+                                                  "export d --to csv -o d/w.tsv",
+                                                  "view d -o d/pic.svg"};
+    const size_t rounds = check_fast() ? 20 : 80;
+    gsl_rng *chance = rp_random_alloc(36, 1, RP_PURPOSE_TEST);
     write_text("s.cfg", SCENE);
-    GOOD("run s.cfg -o k");
-    SHELL("no=$(printf %032d | tr 0 -); printf -- '- %s old.tsv\n= %s unfinished\n' $no $no >>k/.repose");
-    CU_ASSERT(rp_folder_enter(path_of("k"), &f) == RP_OK && rp_folder_settle(&f, &moved) == RP_OK && moved);
-    CU_ASSERT(rp_folder_stage(&f, true, &stage) == RP_OK);
-    rp_folder_close(&stage);
-    rp_folder_close(&f);
-    GOOD("run s.cfg -o k --force");
+    write_text("w.cfg", SWEEP);
+    GOOD("run s.cfg -o run");
+    GOOD("pile --base 4 -o pile");
+    CU_ASSERT(run_by_minutes(SIGTERM, "snapshot", 1, "run s.cfg --set steps=4000 --every 1 -o part") == 75);
+    SHELL("mv part.part part");
+    for (size_t k = 0; k < rounds; k++) {
+#define ANY(list) list[gsl_rng_uniform_int(chance, sizeof list / sizeof *list)]
+        const char *name = ANY(names), *thing = ANY(things), *start = ANY(starts), *words = ANY(commands);
+        scoped char *put = strdup(
+                        check_text("rm -rf d d.part e side saved; mkdir side && echo notes >side/notes "
+                                   "&& { %s; } && cd d && name=%s && cd .. && ",
+                                   start, name)),
+                    *made = strdup(check_text(thing, name));
+        CU_ASSERT(shell(check_text("%s%s && mkdir saved && cp -a side d/%s saved/", put, made, name)) == 0);
+        const int status = run("%s", words);
+        CU_ASSERT(status != 0 || strstr(words, "-o d/"));
+        const bool same =
+            shell(check_text("diff -r side saved/side && diff -r --no-dereference d/%s saved/%s >out", name,
+                             name)) == 0;
+        CHECK_OR_SAY(same, "%zu: %s; %s: changed by %s", k, start, made, words);
+    }
+    gsl_rng_free(chance);
 }
 
-CHECK_SUITE_WITHIN(folders, "folders", enter, leave, test_refusals, test_killed_twice, test_sweeps,
+CHECK_SUITE_WITHIN(folders, "folders", enter, leave, test_refusals, test_forced, test_publish, test_sweeps,
                    test_random_folders)

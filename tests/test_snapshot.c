@@ -372,34 +372,31 @@ static void write_scene(void)
     file_write(path_of("s.cfg"), scene, sizeof scene - 1);
 }
 
-#define RUN   "run s.cfg --every 70 -o d --dump xyz --snapshot "
-#define START "\"$REPOSE\" " RUN
+#define RUN "run s.cfg --every 70 -o d"
 
 /* Run undisturbed; its tables are then in the folder `whole`. */
-static void run_whole(const char *interval)
+static void run_whole(void)
 {
-    CU_ASSERT(shell_line(START "%s && mv d whole", interval) == 0);
+    write_scene();
+    SHELL("\"$REPOSE\" " RUN " && mv d whole");
 }
 
 /* All tables equal those of the undisturbed run, and nothing else is left. */
 static bool equal_files(void)
 {
-    return shell("diff -r d whole >diff || { head -c 1500 diff >&2; false; }") == 0;
+    return shell("diff -r d whole >diff || { head -c 1500 diff >&2; false; }; ! test -e d.part") == 0;
 }
 
-/* Stopped or killed before ever later calls that change a file, and resumed: the same tables. */
+/* Stopped or killed before ever later calls that change a file, the same command goes on: the same tables. */
 static void killed_runs(void)
 {
     static const int signals[] = {SIGTERM, SIGKILL}, ends[] = {75, 128 + SIGKILL};
-    write_scene();
-    run_whole("100");
+    run_whole();
     for (int k = 0; k < 2; k++) {
         int status = -1, stops = 0;
         SHELL("rm -rf d");
         for (long n = 1; status != 0 && n < 100; n += 2) {
-            const bool begun = shell("test -e d/unfinished/snapshot || grep -qs '^+' d/.repose") == 0;
-            if (!begun) SHELL("rm -rf d");
-            status = run_signalled(signals[k], "", n, begun ? "run --resume d" : RUN "100");
+            status = run_by_minutes(signals[k], "", n, RUN);
             CU_ASSERT(status == 0 || status == ends[k]);
             stops += status != 0;
         }
@@ -407,97 +404,60 @@ static void killed_runs(void)
     }
 }
 
-/* A finished result is there until the new one is whole. */
+/* A finished result is there until the new one is whole. What was begun by force goes on by force. */
 static void stopped_runs(void)
 {
-    write_scene();
-    run_whole("100");
-    CU_ASSERT(shell("cp -r whole d; cp s.cfg t.cfg; ulimit -f 40; " START
-                    "300 --set steps=1400 --force 2>err") == 74);
-    CHECK_PARTS(err, "cannot write: File too large");
-    SHELL("cp -r d/unfinished u && rm -r d/unfinished && diff -r -x .repose d whole && cp -r u d/unfinished");
-    FAILS(65, "d/unfinished/snapshot: an unfinished run; continue with --resume d", RUN "100 --force");
-    FAILS(65, "d/unfinished/snapshot: an unfinished run; continue with --resume d", "pile -o d --force");
-    FAILS(65, "s.cfg: not the scene that the snapshot in d is of", "run s.cfg --resume d");
-    SHELL("\"$REPOSE\" run s.cfg --set steps=1400 --set kernel=reference --resume d && ! test -e "
-          "d/unfinished");
-    SHELL("mv d resumed && cp -r whole d && " START "300 --set steps=1400 --force && diff -r d resumed");
+    run_whole();
+    SHELL("cp -r whole d");
+    CU_ASSERT(run_by_minutes(SIGTERM, "snapshot", 3, RUN " --set steps=1400 --force") == 75);
+    CHECK_PARTS(err, "stopped at step ", " of 1400; the same command continues");
+    SHELL("diff -r d whole && test -s d.part/snapshot");
+    FAILS(65, "d: holds s.cfg, 1500 steps", RUN " --set steps=1400");
+    CU_ASSERT(run(RUN " --set steps=1400 --force") == 0);
+    CHECK_PARTS(err, "repose run: d: continues from step ");
+    SHELL("! test -e d.part && mv d resumed");
+    GOOD(RUN " --set steps=1400");
+    SHELL("diff -r -I '^# command: ' d resumed");
 }
 
-/* Done at the first snapshot of a run. */
-static const char *to_do;
-
-static void change_table(const char *call, int file, const char *from, const char *to)
-{
-    (void)call, (void)file, (void)from;
-    if (!to || !strstr(to, "snapshot") || !to_do) return;
-    CU_ASSERT(system(to_do) == 0);
-    to_do = NULL;
-}
-
-static void watch_tables(void)
-{
-    fault_watch = change_table;
-}
-
-/* Tables that another program takes or changes on the way are no result. */
-static void changed_tables(void)
-{
-    static const char *const list[] = {"rm d/unfinished/states.tsv", "truncate -s 20 d/unfinished/energy.tsv",
-                                       "sed -i s/model/nodel/ d/unfinished/walls.tsv"};
-    write_scene();
-    for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
-        SHELL("rm -rf d");
-        to_do = list[k];
-        CU_ASSERT(run_begun("run s.cfg --every 70 --snapshot 1000 -o d", watch_tables) == 74);
-        CHECK_PARTS(err, strrchr(list[k], '/') + 1);
-        CU_ASSERT(shell("ls d/*.tsv 2>ls") != 0);
-    }
-}
-
+/* What is not the run that was begun is refused; a run that has no snapshot begins anew. */
 static void refused_resumes(void)
 {
     write_scene();
-    CU_ASSERT(shell("ulimit -f 40; " START "300 2>err") == 74);
-    SHELL("cp -r d good");
+    CU_ASSERT(run_by_minutes(SIGTERM, "snapshot", 3, RUN) == 75);
+    SHELL("cp -r d.part good");
     static const struct {
         const char *change, *text;
-    } list[] = {{"rm -r d/unfinished", "d: no unfinished run"},
-                {"rm d/unfinished/snapshot", "d/unfinished/snapshot: cannot read: No such file"},
-                {"printf x | dd of=d/unfinished/snapshot bs=1 seek=3000 conv=notrunc 2>dd",
-                 "damaged: its checksum is wrong"},
-                {"truncate -s 3000 d/unfinished/snapshot", "truncated: "},
-                {"rm d/unfinished/energy.tsv", "d/unfinished/energy.tsv: cannot open: No such file"},
-                {"truncate -s 300 d/unfinished/energy.tsv", "energy.tsv: shorter than at the snapshot"},
-                {"sed -i s/model/nodel/ d/unfinished/states.tsv",
-                 "d/unfinished/states.tsv: not the table that the snapshot was written with"}};
+    } list[] = {
+        {"printf x | dd of=d.part/snapshot bs=1 seek=3000 conv=notrunc 2>dd",
+         "damaged: its checksum is wrong; remove d.part to begin anew"},
+        {"truncate -s 3000 d.part/snapshot", "truncated: "},
+        {"truncate -s 300 d.part/energy.tsv", "energy.tsv: shorter than at the snapshot; remove d.part"},
+        {"sed -i 2d d.part/.repose", "d.part: holds contacts.tsv, unfinished; the command that began it "},
+        {"rm d.part/.repose", "d.part: no result of this program; move it away"}};
     for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
-        CU_ASSERT(shell_line("rm -rf d && cp -r good d && %s", list[k].change) == 0);
-        FAILS(65, list[k].text, "run --resume d");
+        SHELL("rm -rf d.part && cp -r good d.part && echo contacts.tsv >>d.part/.repose");
+        CU_ASSERT(shell(list[k].change) == 0);
+        FAILS(65, list[k].text, RUN);
     }
-    static const char *const starts[] = {"-o e",         "--every 5",  "--row 1",
-                                         "--snapshot 5", "--dump xyz", "--force"};
-    for (size_t k = 0; k < sizeof starts / sizeof *starts; k++)
-        FAILS(64, "--resume continues with the options", "run --resume d %s", starts[k]);
-    FAILS(64, "--set and --ledger need", "run --resume d --ledger");
-    FAILS(64, "--set and --ledger need", "run --resume d --set dt=1");
-    FAILS(64, "--snapshot needs -o", "run s.cfg --snapshot 5");
-    FAILS(64, "give a file, or --resume DIR", "run");
-    SHELL("rm -rf d && cp -r good d");
-    const int other = open(path_of("d"), O_RDONLY | O_DIRECTORY);
-    CU_ASSERT(flock(other, LOCK_EX) == 0);
-    FAILS(74, "another process runs in this folder", "run --resume d");
-    close(other);
-    SHELL("\"$REPOSE\" run --resume d && \"$REPOSE\" run --resume d 2>done && "
-          "grep -q 'd: the run is done' done && mv d again && " START "300 && diff -r d again");
-    /* a finished run is that of its scene */
-    SHELL("\"$REPOSE\" run s.cfg --resume again >done");
-    static const char *const others[] = {"--set steps=300", "--set tangential.mu=0.4"};
+    static const char *const others[] = {"--every 5", "--set steps=300", "--set tangential.mu=0.4"};
+    SHELL("rm -rf d.part && cp -r good d.part");
     for (size_t k = 0; k < sizeof others / sizeof *others; k++)
-        FAILS(65, "s.cfg: not the scene that the tables in again are of", "run s.cfg %s --resume again",
+        FAILS(65, "d.part: holds s.cfg, 1500 steps, a frame each 70, key ", "run s.cfg --every 70 %s -o d",
               others[k]);
-    SHELL("mkdir empty");
-    FAILS(65, "no unfinished run", "run --resume empty");
+    FAILS(65, "d.part: holds s.cfg, 1500 steps", "pile -o d");
+    SHELL("ln -sf ../s.cfg d.part/energy.tsv");
+    FAILS(74, "d.part/energy.tsv: ", RUN); /* no link is followed */
+    SHELL("rm -rf d.part && cp -r good d.part");
+    const int other = open(path_of("d.part"), O_RDONLY | O_DIRECTORY);
+    CU_ASSERT(flock(other, LOCK_EX) == 0);
+    FAILS(74, "d.part: another process runs in this folder", RUN);
+    close(other);
+    SHELL("diff -r d.part good && rm d.part/snapshot");
+    GOOD(RUN);
+    SHELL("! test -e d.part && mv d again && cp -r good d.part");
+    GOOD("pile --base 4 -o d --force");
+    SHELL("test -s d/disks.tsv && ! test -e d.part");
 }
 
 /* ---- Protocols ---- */
@@ -738,7 +698,7 @@ static void stopped_row(void)
         int kept = 0;
         file_write(path_of("r.cfg"), files[k], strlen(files[k]));
         SHELL("rm -rf d whole; \"$REPOSE\" run r.cfg --row 1 -o d >row && mv d whole");
-        stop_until_done("run r.cfg --row 1 -o d", "d/unfinished/snapshot", &kept);
+        stop_until_done("run r.cfg --row 1 -o d", "d.part/snapshot", &kept);
         CU_ASSERT(equal_files());
         SHELL("for t in row out; do grep -v run_time $t >$t.rest; done; cmp row.rest out.rest");
     }
@@ -746,5 +706,5 @@ static void stopped_row(void)
 
 CHECK_SUITE_WITHIN(snapshot, "snapshot", enter, leave, every_law_integrator_and_feature, large_pile,
                    damaged_files, foreign_files, impossible_states, full_disk, killed_runs, stopped_runs,
-                   changed_tables, refused_resumes, no_snapshot, protocol_repose, protocol_stress,
-                   protocol_onset, protocol_drop, synced, sweep_rows, stopped_sweep, stopped_row)
+                   refused_resumes, no_snapshot, protocol_repose, protocol_stress, protocol_onset,
+                   protocol_drop, synced, sweep_rows, stopped_sweep, stopped_row)

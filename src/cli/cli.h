@@ -5,6 +5,7 @@
 
 #include <math.h>
 
+#include "cli/result.h"
 #include "core/file.h"
 #include "sweeps/protocols/protocols.h"
 #include "table/columns.h"
@@ -167,14 +168,13 @@ const char *cli_own_name(const cli_command *command);
 /* sweep_run with these options, workers below 1: one per processor; its progress unless `quiet`, and
  * a line for each run that fails. */
 rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, sweep_counts *counts);
-enum { CLI_SNAPSHOT = 60 }; /* seconds of processor time between the snapshots of a run */
 
 /* sweep_export of a folder into a table, and into a file, "-": standard output. A table without counts
  * (NULL) is that of a sweep's file, which would have these columns, without rows. */
 rp_status cli_sweep_table(const cli_call *call, const char *path, unsigned what, rp_table **table,
                           sweep_counts *counts);
 rp_status cli_sweep_export(const cli_call *call, const char *dir, unsigned what, const char *path,
-                           sweep_counts *counts);
+                           bool replace, sweep_counts *counts);
 
 /* The row of one run on standard output, and before it the columns: those of parameters (NULL: without), of
  * results, and its status. */
@@ -188,7 +188,8 @@ void cli_print_counts(const sweep_counts *counts);
  * RP_BAD_INPUT; RP_IO. */
 rp_status cli_claim_sweep(const char *directory, const char *file, bool force);
 #define CLI_FORCE(X)                                                                                         \
-    X(BOOL, force, "", "false", "", "replace the finished result, or plan over another sweep, in the folder")
+    X(BOOL, force, "", "false", "",                                                                          \
+      "replace the file or the finished result that is there, or plan over another sweep")
 
 /* One degree in radians, and the number of an array's elements. */
 static const double deg = M_PI / 180.0;

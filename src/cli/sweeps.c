@@ -46,10 +46,10 @@ void cli_print_counts(const sweep_counts *counts)
 }
 
 rp_status cli_sweep_export(const cli_call *call, const char *dir, unsigned what, const char *path,
-                           sweep_counts *counts)
+                           bool replace, sweep_counts *counts)
 {
     FILE *out;
-    RP_TRY(rp_file_open(path, &out));
+    RP_TRY(rp_file_open(path, replace, &out));
     return rp_file_close(path, out, sweep_export(dir, sweep_protocols, what, call->line, counts, out));
 }
 

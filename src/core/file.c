@@ -4,14 +4,13 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <libgen.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include "core/folder.h"
 
 rp_status rp_file_finish(FILE *out, const char *name)
 {
@@ -21,8 +20,18 @@ rp_status rp_file_finish(FILE *out, const char *name)
     return RP_OK;
 }
 
+static const char TEMPORARY[] = ".tmp";
+enum { DIGITS = 8 };
+
+bool rp_file_is_temporary(const char *name)
+{
+    const size_t n = strlen(name), end = sizeof TEMPORARY - 1 + DIGITS;
+    return n > end && strncmp(name + n - end, TEMPORARY, sizeof TEMPORARY - 1) == 0 &&
+           strspn(name + n - DIGITS, "0123456789abcdef") == DIGITS;
+}
+
 /* A new file beside it, under a name that no one can foresee; devices and pipes are written directly. */
-static rp_status open_new(const char *path, bool owner, FILE **out)
+rp_status rp_file_open(const char *path, bool replace, FILE **out)
 {
     char temporary[PATH_MAX + 16];
     struct stat info;
@@ -30,25 +39,17 @@ static rp_status open_new(const char *path, bool owner, FILE **out)
     if (strcmp(path, "-") == 0) return *out = stdout, RP_OK;
     *out = NULL;
     if (strlen(path) >= PATH_MAX) return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", path);
-    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {
+    const bool device = stat(path, &info) == 0 && !S_ISREG(info.st_mode);
+    if (!device && !replace && lstat(path, &info) == 0)
+        return rp_fail(RP_BAD_INPUT, "%s: is there; give another name, or --force to replace it", path);
+    if (device) {
         *out = fopen(path, "w");
     } else if (getrandom(&number, sizeof number, 0) == sizeof number) {
-        snprintf(temporary, sizeof temporary, "%s.tmp%08x", path, number);
-        RP_TRY(rp_folder_admit(path, temporary, owner));
+        snprintf(temporary, sizeof temporary, "%s%s%0*x", path, TEMPORARY, DIGITS, number);
         const int file = open(temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (file >= 0) *out = fdopen(file, "w+");
     }
     return *out ? RP_OK : rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
-}
-
-rp_status rp_file_open(const char *path, FILE **out)
-{
-    return open_new(path, false, out);
-}
-
-rp_status rp_file_open_own(const char *path, FILE **out)
-{
-    return open_new(path, true, out);
 }
 
 rp_status rp_file_close(const char *path, FILE *out, rp_status keep)
@@ -67,6 +68,16 @@ rp_status rp_file_close(const char *path, FILE *out, rp_status keep)
     if (!status && failed) status = rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
     if (status && named) unlink(temporary);
     return status;
+}
+
+bool rp_file_sync_folder(const char *path)
+{
+    char copy[PATH_MAX];
+    snprintf(copy, sizeof copy, "%s", path);
+    const int folder = open(dirname(copy), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    const bool good = folder >= 0 && fsync(folder) == 0;
+    if (folder >= 0) close(folder);
+    return good;
 }
 
 bool rp_program(char path[], size_t size)

@@ -13,12 +13,16 @@ RP_C_BEGIN
 rp_status rp_file_finish(FILE *out, const char *name);
 
 /* Open `path` for writing under a temporary name; rp_file_close renames the complete file once it is on the
- * disk, or removes it if `keep` is not RP_OK. "-" is standard output. A file that is there is replaced only
- * if its bytes, its signature or the marker of its folder show that the program wrote it, and a file of a
- * result or of a sweep only by its owner. Errors: RP_IO, RP_BAD_INPUT (too long; not ours; of a result). */
-rp_status rp_file_open(const char *path, FILE **out);
-rp_status rp_file_open_own(const char *path, FILE **out);
+ * disk, or removes it if `keep` is not RP_OK. "-" is standard output. Errors: RP_IO, RP_BAD_INPUT (too long;
+ * a file or a link is there, which is not to be replaced). */
+rp_status rp_file_open(const char *path, bool replace, FILE **out);
 rp_status rp_file_close(const char *path, FILE *out, rp_status keep);
+
+/* Is this such a temporary name? */
+bool rp_file_is_temporary(const char *name);
+
+/* Write the folder of a file to the disk, so that a new name in it survives a power cut. */
+bool rp_file_sync_folder(const char *path);
 
 /* The whole text of a file ("-": standard input); free it, also after an error.
  * Errors: RP_BAD_INPUT (cannot be read, more than 1 GB, a byte 0), RP_NO_MEMORY. */

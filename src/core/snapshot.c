@@ -3,7 +3,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <libgen.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
@@ -71,17 +70,6 @@ static rp_status cannot_write(const char *path)
     return rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
 }
 
-/* So that a file renamed in it survives a power cut. */
-static bool sync_folder_of(const char *path)
-{
-    char copy[PATH_MAX];
-    snprintf(copy, sizeof copy, "%s", path);
-    const int folder = open(dirname(copy), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    const bool good = folder >= 0 && fsync(folder) == 0;
-    if (folder >= 0) close(folder);
-    return good;
-}
-
 /* XXH3-128 of head and state. */
 static XXH128_hash_t checksum(const head *h, const void *state, size_t length)
 {
@@ -116,7 +104,7 @@ rp_status rp_snapshot_write(rp_snapshot *s, const char *path, const char *owner,
     FILE *out = fopen(temporary, "wxe");
     if (!out) return cannot_write(path);
     const rp_status status = rp_file_close(path, out, rp_snapshot_print(s, out, owner, layout));
-    return status || sync_folder_of(path) ? status : cannot_write(path);
+    return status || rp_file_sync_folder(path) ? status : cannot_write(path);
 }
 
 static rp_status read_file(rp_snapshot *s, const char *path)

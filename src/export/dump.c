@@ -29,7 +29,7 @@ static void write_head(const export_run *run, size_t frame, const char *of, size
 static rp_status write_grains(const export_run *run, const char *path)
 {
     export_file e;
-    RP_TRY(export_open(path, &e));
+    RP_TRY(export_open(path, run->replace, &e));
     for (size_t k = 0; k < run->grains.n; k++) {
         const size_t first = run->grains.first[k], end = run->grains.first[k + 1];
         write_head(run, k, "ATOMS", end - first, e.out);
@@ -50,7 +50,7 @@ static rp_status write_contacts(const export_run *run, const char *path)
     const export_frames *f = &run->contacts;
     const rp_table *t = f->table;
     export_file e;
-    RP_TRY(export_open(path, &e));
+    RP_TRY(export_open(path, run->replace, &e));
     for (size_t k = 0; k < run->grains.n; k++) {
         size_t first;
         const size_t n = export_rows_at(f, export_frame_step(run, k), &first);
@@ -78,7 +78,7 @@ static rp_status write_dump(const export_run *run, const char *path)
 static rp_status write_xyz(const export_run *run, const char *path)
 {
     export_file e;
-    RP_TRY(export_open(path, &e));
+    RP_TRY(export_open(path, run->replace, &e));
     for (size_t k = 0; k < run->grains.n; k++) {
         const size_t first = run->grains.first[k], end = run->grains.first[k + 1];
         fprintf(e.out, "%zu\nProperties=id:I:1:pos:R:3", end - first);
@@ -94,28 +94,9 @@ static rp_status write_xyz(const export_run *run, const char *path)
     return export_close(&e, RP_OK);
 }
 
-static const struct {
-    rp_status (*write)(const export_run *run, const char *path);
-    const char *ending;
-} formats[] = {[EXPORT_LAMMPS] = {write_dump, "lammpstrj"},
-               [EXPORT_XYZ] = {write_xyz, "xyz"},
-               [EXPORT_VTK] = {export_vtk, "pvd"}};
-
-rp_status export_grains_of(rp_arena *arena, const char *source, rp_table *table, const char *columns,
-                           export_format format, const char *path)
+rp_status export_write(const export_run *run, export_format format, const char *path)
 {
-    export_run run;
-    RP_TRY(export_run_read(arena, source, table, columns, &run));
-    return formats[format].write(&run, path);
-}
-
-rp_status export_folder(rp_arena *arena, const char *folder, export_format format)
-{
-    rp_table *table;
-    const char *states, *path;
-    if (format == EXPORT_NONE) return RP_OK;
-    RP_TRY(rp_path(arena, &states, "%s/states.tsv", folder));
-    RP_TRY(rp_path(arena, &path, "%s/run.%s", folder, formats[format].ending));
-    RP_TRY(rp_table_load(arena, states, &table));
-    return export_grains_of(arena, folder, table, "all", format, path);
+    static rp_status (*const formats[])(const export_run *run, const char *path) = {
+        [EXPORT_LAMMPS] = write_dump, [EXPORT_XYZ] = write_xyz, [EXPORT_VTK] = export_vtk};
+    return formats[format](run, path);
 }

@@ -12,9 +12,9 @@ typedef struct {
     const char *path;
     FILE *out, *plain;
 } export_file;
-rp_status export_open(const char *path, export_file *e);            /* as rp_file_open */
-rp_status export_close(const export_file *e, rp_status keep);       /* as rp_file_close; signed */
-const char *export_cell(const rp_table *t, size_t row, int column); /* a number: "inf" for infinite */
+rp_status export_open(const char *path, bool replace, export_file *e); /* as rp_file_open */
+rp_status export_close(const export_file *e, rp_status keep);          /* as rp_file_close */
+const char *export_cell(const rp_table *t, size_t row, int column);    /* a number: "inf" for infinite */
 
 /* Make a text one word, in which no program finds a command or a mark: what is no letter, digit, UTF-8 or one
  * of ._+-/()[] becomes _. */
@@ -48,6 +48,7 @@ typedef struct {
     export_field fields[EXPORT_MOST_FIELDS]; /* of the grains, `r` first, without step, t, id, x, y */
     double box[2][2];                        /* least and largest x, y of all grains with their radii */
     double largest;                          /* radius */
+    bool replace;                            /* files that are there */
 } export_run;
 
 /* Sets n, first, steps and times from the steps and times of n rows; steps of NaN: one frame. How many rows
@@ -80,15 +81,13 @@ const char *export_beside(rp_arena *arena, const char *grains, const char *name)
 rp_status export_run_read(rp_arena *arena, const char *source, rp_table *table, const char *columns,
                           export_run *run);
 
-/* The same written to `path`; and the frames of the run in `folder` as run.lammpstrj, run.xyz or run.pvd
- * there. Errors: those of the writers too. */
-typedef enum { EXPORT_NONE, EXPORT_LAMMPS, EXPORT_XYZ, EXPORT_VTK } export_format;
-rp_status export_grains_of(rp_arena *arena, const char *source, rp_table *table, const char *columns,
-                           export_format format, const char *path);
-rp_status export_folder(rp_arena *arena, const char *folder, export_format format);
+/* Write a run to `path`. Errors: those of the writers. */
+typedef enum { EXPORT_LAMMPS, EXPORT_XYZ, EXPORT_VTK } export_format;
+rp_status export_write(const export_run *run, export_format format, const char *path);
 
 /* The scene in file `scene` as the LAMMPS input `path` and its data file. Errors: RP_BAD_INPUT naming the key
  * for which LAMMPS has no equal. */
-rp_status export_lammps_input(rp_arena *arena, const char *scene, const rp_texts *changes, const char *path);
+rp_status export_lammps_input(rp_arena *arena, const char *scene, const rp_texts *changes, const char *path,
+                              bool replace);
 
 #endif

@@ -9,7 +9,6 @@
 #include <zlib.h>
 
 #include "core/file.h"
-#include "core/folder.h"
 
 /* ---- files ---- */
 
@@ -23,10 +22,10 @@ static int gz_close(void *file)
     return gzclose(file) == Z_OK ? 0 : EOF;
 }
 
-rp_status export_open(const char *path, export_file *e)
+rp_status export_open(const char *path, bool replace, export_file *e)
 {
     *e = (export_file){.path = path};
-    rp_status status = rp_file_open(path, &e->plain);
+    rp_status status = rp_file_open(path, replace, &e->plain);
     e->out = e->plain;
     if (status || !rp_ends_in(path, ".gz")) return status;
     gzFile file = gzdopen(dup(fileno(e->plain)), "wb");
@@ -43,7 +42,6 @@ rp_status export_close(const export_file *e, rp_status keep)
         if (!keep && (failed || unclosed)) keep = rp_fail(RP_IO, "%s: cannot write", e->path);
     }
     if (!keep) keep = rp_file_finish(e->plain, e->path);
-    if (!keep && e->plain != stdout) rp_folder_sign(e->plain);
     return rp_file_close(e->path, e->plain, keep);
 }
 

@@ -316,21 +316,24 @@ static void write_input(const lammps_scene *s, const char *scene, const char *st
             s->def.rotation ? " omegaz" : "");
 }
 
-static rp_status write_files(rp_arena *arena, const lammps_scene *s, const char *scene, const char *path)
+static rp_status write_files(rp_arena *arena, const lammps_scene *s, const char *scene, const char *path,
+                             bool replace)
 {
-    export_file e;
+    export_file e, d;
     const char *stem = export_stem(arena, path), *name = export_word(rp_text(arena, "%s", basename(stem))),
                *data = rp_text(arena, "%s.data", stem);
     if (strcmp(name, basename(stem)) != 0)
         return rp_fail(RP_USAGE, "-o %s: the input of LAMMPS names its files: letters, digits and ._+- alone",
                        path);
     scene = export_word(rp_text(arena, "%s", scene)); /* for comments */
-    RP_TRY(export_open(data, &e));
-    write_data(s, scene, e.out);
-    RP_TRY(export_close(&e, RP_OK));
-    RP_TRY(export_open(path, &e));
+    RP_TRY(export_open(path, replace, &e));
+    rp_status status = export_open(data, replace, &d);
+    if (!status) {
+        write_data(s, scene, d.out);
+        status = export_close(&d, RP_OK);
+    }
     write_input(s, scene, stem, e.out);
-    return export_close(&e, RP_OK);
+    return export_close(&e, status);
 }
 
 static void free_scene(lammps_scene *s)
@@ -349,12 +352,13 @@ static rp_status prepare(rp_arena *arena, lammps_scene *s)
     return find_types(arena, s);
 }
 
-rp_status export_lammps_input(rp_arena *arena, const char *scene, const rp_texts *changes, const char *path)
+rp_status export_lammps_input(rp_arena *arena, const char *scene, const rp_texts *changes, const char *path,
+                              bool replace)
 {
     RP_ENDS(free_scene) lammps_scene s = {.n = 0};
     if (strlen(path) < 4 || !rp_ends_in(path, ".in"))
         return rp_fail(RP_USAGE, "-o %s: lammps-input needs a name that ends in .in", path);
     RP_TRY(dem_scene_read(scene, changes, &s.scene));
     RP_TRY(rp_prefix(prepare(arena, &s), "%s: ", scene));
-    return write_files(arena, &s, scene, path);
+    return write_files(arena, &s, scene, path, replace);
 }

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "core/file.h"
-#include "core/folder.h"
 #include "export/export.h"
 
 /* One piece of PolyData in the making: points, then cells of `size` points each, one of each row that is
@@ -166,7 +165,7 @@ static rp_status write_frame(const export_run *run, size_t k, const char *folder
         piece p = {f, first, first + n, parts[i].lines ? 2 : 1, NULL};
         const char *path = rp_text(run->arena, "%s/%s_%06zu.vtp", folder, parts[i].name, k);
         export_file e;
-        RP_TRY(export_open(path, &e));
+        RP_TRY(export_open(path, run->replace, &e));
         RP_TRY(export_close(&e, parts[i].lines ? write_lines(run, &p, parts[i].lines, e.out)
                                                : write_grains(run, &p, e.out)));
         fprintf(collection, "<DataSet timestep=\"%s\" part=\"%zu\" name=\"%s\" file=\"%s/%s_%06zu.vtp\"/>\n",
@@ -182,8 +181,8 @@ rp_status export_vtk(const export_run *run, const char *path)
         return rp_fail(RP_USAGE, "-o %s: vtk needs a name that ends in .pvd", path);
     char *folder = rp_text(run->arena, "%s_frames", export_stem(run->arena, path));
     export_word(basename(folder)); /* of an attribute in XML */
-    RP_TRY(export_open(path, &e));
-    rp_status status = rp_folder_make(folder);
+    RP_TRY(export_open(path, run->replace, &e));
+    rp_status status = rp_make_directory(folder);
     fputs("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n", e.out);
     for (size_t k = 0; k < run->grains.n && !status; k++) status = write_frame(run, k, folder, e.out);
     fputs("</Collection>\n</VTKFile>\n", e.out);

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "core/file.h"
-#include "core/folder.h"
 #include "core/version.h"
 #include "params/guess.h"
 #include "params/params.h"
@@ -291,8 +290,6 @@ rp_status rp_table_read(const char *path, rp_table *table)
 {
     *table = (rp_table){.path = path};
     rp_status status = rp_file_read(path, &table->text);
-    if (!status)
-        status = rp_folder_fits(path); /* with another run's table beside it numbers would be wrong */
     return status ? status : split_text(false, table);
 }
 

@@ -58,7 +58,7 @@ typedef struct {
  * or in the last line with '#' above a first row with numbers, as older tables have it; a table without names
  * has columns "1", "2", ... The first column of a table with an index, which has no name, is "index". A row
  * that repeats the names is left out. Free with rp_table_free, also after an error. Errors: RP_BAD_INPUT
- * (missing file, rows of unequal length, not what the marker of its folder lists), RP_IO, RP_NO_MEMORY. */
+ * (missing file, rows of unequal length), RP_IO, RP_NO_MEMORY. */
 rp_status rp_table_read(const char *path, rp_table *table);
 
 /* The rows of `more`, whose texts are borrowed, after those of `table`; messages on the whole name the path

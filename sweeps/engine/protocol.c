@@ -30,7 +30,7 @@ rp_status sweep_table_open(const sweep_tables *t, const char *name, sweep_file *
 {
     *file = (sweep_file){.out = NULL};
     RP_TRY(rp_path(&file->memory, &file->path, "%s/%s", t->directory, name));
-    const rp_status status = rp_file_open(file->path, &file->out);
+    const rp_status status = rp_file_open(file->path, true, &file->out);
     if (status) return rp_arena_release(&file->memory, NULL), status;
     t->header(t->context, file->out);
     return RP_OK;

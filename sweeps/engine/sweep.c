@@ -12,7 +12,6 @@
 #include <unistd.h>
 
 #include "core/file.h"
-#include "core/folder.h"
 #include "params/units.h"
 #include "sweeps/engine/keep.h"
 
@@ -78,35 +77,20 @@ static rp_status find_shards(const sweep_folder *f, const char *folder, rp_paths
     return RP_OK;
 }
 
-static const char *const names[] = {
-    "sweep.cfg",        "lock",           "store.sqlite", "store.sqlite-journal", "store.sqlite-wal",
-    "store.sqlite-shm", "experiment.cfg", "snapshots"};
-enum { N_NAMES = sizeof names / sizeof *names };
-
-/* The sweep's files are the program's own; those of an older version, whose store says so. */
-static rp_status claim(const sweep_folder *f, const char *file)
+static bool is_other(const char *name)
 {
-    char before[256] = "", holds[512];
-    RP_ENDS(rp_folder_close) rp_folder folder = {0};
-    struct stat info;
+    return strcmp(name, "lock") != 0;
+}
+
+/* An empty folder, or that of a sweep; one that was killed when it began has a lock alone. */
+static rp_status claim(const sweep_folder *f)
+{
+    RP_ENDS(rp_paths_free) rp_paths files = {0};
     RP_TRY(rp_make_directory(f->dir));
-    RP_TRY(rp_folder_enter(f->dir, &folder));
-    const bool older = !folder.marked && lstat(f->sqlite, &info) == 0 && S_ISREG(info.st_mode);
-    if (older) RP_TRY(sweep_source(f->dir, before));
-    if (!folder.marked && !older) RP_TRY(rp_folder_vacant(&folder, false));
-    if (folder.marked && !rp_folder_find(&folder, "sweep.cfg", 0))
-        return rp_fail(RP_BAD_INPUT, "%s: holds %s; give another folder", f->dir,
-                       *folder.holds ? folder.holds : "an unfinished run");
-    const bool snapshots = access(f->snapshots, F_OK) == 0; /* people's, if it was there before */
-    for (size_t i = 0; i < (snapshots ? N_NAMES - 1 : N_NAMES); i++) {
-        if (i == N_NAMES - 2 && !sweep_protocol_bytes(f->plan.protocol)) continue;
-        if (!older || (i == 0 && !*before)) RP_TRY(rp_folder_check(&folder, names[i]));
-        RP_TRY(rp_folder_list(&folder, names[i], RP_OWN_STAYS));
-    }
-    snprintf(holds, sizeof holds, "the sweep %s", file);
-    if (strcmp(folder.holds, holds) == 0) return RP_OK;
-    strcpy(folder.holds, holds);
-    return rp_folder_write(&folder);
+    RP_TRY(rp_paths_in(&files, f->dir, is_other));
+    return files.n == 0 || access(f->sqlite, F_OK) == 0
+               ? RP_OK
+               : rp_fail(RP_BAD_INPUT, "%s: holds other files and no sweep; give another folder", f->dir);
 }
 
 static rp_status make_folder(const char *path)
@@ -177,7 +161,7 @@ rp_status sweep_source(const char *dir, char file[256])
 static rp_status write_text(const char *path, const char *text)
 {
     FILE *out;
-    RP_TRY(rp_file_open_own(path, &out));
+    RP_TRY(rp_file_open(path, true, &out));
     fputs(text, out);
     return rp_file_close(path, out, RP_OK);
 }
@@ -234,7 +218,7 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
         RP_TRY(sweep_plan_check_point(&f.plan, file, i));
         if (watch) watch("grid points checked", i + 1, f.plan.n_points);
     }
-    RP_TRY(claim(&f, file));
+    RP_TRY(claim(&f));
     RP_TRY(lock_folder(&f, false));
     RP_TRY(sweep_store_open(f.sqlite, SWEEP_CREATE, &f.store));
     RP_TRY(plan_again(&f, protocols, file, watch));
@@ -299,12 +283,10 @@ static rp_status open_shard(const sweep_options *options, sweep_folder *f)
  * stay, for other measures; so do other files of the folder, and then the folder. */
 static void remove_snapshots(const sweep_folder *f)
 {
-    RP_ENDS(rp_folder_close) rp_folder snapshots = {0}, folder = {0};
     RP_ENDS(rp_paths_free) rp_paths left = {0};
-    if (!rp_folder_open(f->snapshots, &snapshots)) rp_paths_in(&left, f->snapshots, sweep_keep_is_name);
-    for (size_t i = 0; i < left.n; i++)
-        if (rp_folder_shows(&snapshots, basename(left.path[i]))) unlink(left.path[i]);
-    if (!rp_folder_open(f->dir, &folder) && rp_folder_find(&folder, "snapshots", 0)) rmdir(f->snapshots);
+    rp_paths_in(&left, f->snapshots, sweep_keep_is_name);
+    for (size_t i = 0; i < left.n; i++) unlink(left.path[i]);
+    rmdir(f->snapshots);
 }
 
 rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, const sweep_options *options,

@@ -53,6 +53,7 @@ suites_of() {
     src/dem/scene/output.c) echo core tables scene keys evidence sweep cli dem ;;
     src/dem/scene/*) echo walls scene material fills tables keys notes cli ;;
     src/dem/setup/physics.c | src/dem/setup/check.c) echo scene dem laws walls keys units hard motion soft tables sweep ;;
+    src/cli/result.c | src/core/folder.c) echo snapshot cli folders power ;;
     src/core/* | src/params/* | src/table/table.c) echo core tables scene keys evidence sweep cli ;;
     src/table/columns.c | src/table/where.c) echo core columns calibrate_text tables evidence options cli ;;
     src/cli/commands/export.c | src/export/*) echo export view help options ;;
@@ -61,7 +62,6 @@ suites_of() {
     src/cli/commands/help.c) echo help install ;;
     src/cli/commands/params.c) echo help options experiment ;;
     src/cli/closing.c | src/cli/progress.c) echo view snapshot ;;
-    src/cli/unfinished.c | src/cli/folder.c) echo snapshot cli folders ;;
     src/cli/options.c | src/cli/command.c) echo help notes evidence options tables columns claims cli ;;
     src/cli/commands/shards.c | src/cli/commands/sweep.c) echo cli folders sweep notes tables ;;
     src/cli/commands/calibrate.c) echo calibrate_text options ;;

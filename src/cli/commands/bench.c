@@ -37,7 +37,8 @@ enum { MOST = 100, FILL_STEPS = 30000, RELAX_STEPS = 50000, WARM_STEPS = 2000 };
     X(INT, j, "", "1", "[1, 256]",                                                                           \
       "threads; rates of more than one are per second of wall time, and the phases are those of one")        \
     X(TEXT, o, "", "", "",                                                                                   \
-      "table for the grains: those at the end of a sample, else at rest before the timed steps")
+      "table for the grains: those at the end of a sample, else at rest before the timed steps")             \
+    CLI_FORCE(X)
 
 CLI_OPTIONS(bench, BENCH_OPTIONS)
 
@@ -97,13 +98,13 @@ static rp_status begin(rp_arena *arena, bench_options *o, dem_sim **sim, double 
     return RP_OK;
 }
 
-static rp_status write_grains(const cli_call *call, const char *path, const dem_sim *sim)
+static rp_status write_grains(const cli_call *call, const bench_options *o, const dem_sim *sim)
 {
     FILE *out;
-    RP_TRY(rp_file_open(path, &out));
+    RP_TRY(rp_file_open(o->o, o->force, &out));
     cli_provenance(call, out);
     dem_write_columns(DEM_TABLE_STATES, false, out);
-    return rp_file_close(path, out, dem_write_rows(DEM_TABLE_STATES, sim, dem_step(sim), out));
+    return rp_file_close(o->o, out, dem_write_rows(DEM_TABLE_STATES, sim, dem_step(sim), out));
 }
 
 /* A fall from 2 W and the time to settle, both growing with the box. Large grains that fall from so high
@@ -136,7 +137,7 @@ static rp_status run_sample(const cli_call *call, bench_options *o, dem_sim **si
     dem_wall_open(*sim, DEM_BOX_RIGHT, INFINITY);
     RP_TRY(advance(*sim, RELAX_STEPS, times));
     RP_TRY(cli_slope_of(call->arena, *sim, slope));
-    return *o->o ? write_grains(call, o->o, *sim) : RP_OK;
+    return *o->o ? write_grains(call, o, *sim) : RP_OK;
 }
 
 typedef struct {
@@ -213,7 +214,7 @@ static rp_status measure(cli_call *call, const void *values)
         o->steps = (long)fmin(fmax(100.0, 2e7 / (double)o->n), most);
     }
     if (!sample) RP_TRY(*o->start ? dem_run(sim, WARM_STEPS) : settle(o, sim, dt));
-    if (!sample && *o->o) RP_TRY(write_grains(call, o->o, sim));
+    if (!sample && *o->o) RP_TRY(write_grains(call, o, sim));
     if (o->state == FLOWING) dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
     const double memory[2] = {heap() - heap_before, 1e6 * (rp_peak_memory() - peak_before)};
     const dem_sim *from = sample ? NULL : sim;

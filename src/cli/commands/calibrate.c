@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include "cli/cli.h"
-#include "core/folder.h"
 #include "core/version.h"
 #include "params/config.h"
 #include "params/expression.h"
@@ -45,7 +44,6 @@ typedef struct {
     const cli_call *call;
     const calibrate_options *o;
     const char *path, *folder; /* of the file */
-    rp_folder runs_in;         /* locked */
     config_t config;
     stats_quest quest;
     const char *name[STATS_NAMES];
@@ -231,8 +229,8 @@ static rp_status write_sweep(const problem *s, const group *g, const char *path,
             return rp_fail(RP_BAD_INPUT, "%s: experiment = \"%s\": no such file", s->path, source);
         source = real;
     }
-    RP_TRY(rp_file_open(path, &out));
-    fprintf(out, "# program: repose %s\n%s = ", RP_VERSION, g->kind); /* by which it knows its own */
+    RP_TRY(rp_file_open(path, true, &out));
+    fprintf(out, "%s = ", g->kind);
     rp_config_write_text(out, source);
     fprintf(out, ";\nreplicas = %zu;\nseed = %ld;\n", replicas, s->seed);
     if (*g->fixed) fprintf(out, "fixed = %s;\n", g->fixed);
@@ -270,7 +268,6 @@ static rp_status find_names(problem *s)
     bool found[STATS_NAMES] = {false};
     for (size_t p = 0; p < s->quest.n_names; p++) x[p] = 0.5 * (s->quest.lo[p] + s->quest.hi[p]);
     RP_TRY(rp_make_directory(s->o->o));
-    RP_TRY(rp_folder_enter(s->o->o, &s->runs_in)); /* another calibration would plan other runs there */
     for (size_t i = 0; i < s->quest.n_groups * s->quest.n_names; i++) {
         const size_t g = i / s->quest.n_names, p = i % s->quest.n_names;
         const char *path = sweep_path(s, 0, g, ".cfg");
@@ -689,7 +686,7 @@ static rp_status write_file(const cli_call *call, const calibrate_options *o, co
                    : rp_fail(RP_BAD_INPUT,
                              "%s: not what these options say; give it as the file, or another folder", *path);
     }
-    RP_TRY(rp_file_open(*path, &out));
+    RP_TRY(rp_file_open(*path, false, &out));
     fprintf(out, "# program: repose %s\n%s", RP_VERSION, text);
     return rp_file_close(*path, out, RP_OK);
 }
@@ -710,9 +707,8 @@ static rp_status calibrate(cli_call *call, const void *values)
     if (file && (!isinf(o->theta_r_deg) || !isinf(o->error_deg) || !isinf(o->theta_t_deg) ||
                  !isinf(o->theta_t_error_deg)))
         return rp_fail(RP_USAGE, "%s says what is measured: no --theta-r-deg and no --theta-t-deg", file);
-    RP_ENDS(rp_folder_close) rp_folder folder = {0};
-    if (!o->dry_run && !rp_folder_open(o->o, &folder) && folder.marked && *folder.holds)
-        return rp_fail(RP_BAD_INPUT, "%s: holds %s; give another folder", o->o, folder.holds);
+    if (!o->dry_run && rp_is_in(o->o, ".repose"))
+        return rp_fail(RP_BAD_INPUT, "%s: holds a result; give another folder", o->o);
     if (o->dry_run && !(o->o = mkdtemp(aside))) return rp_fail(RP_IO, "%s: %s", aside, strerror(errno));
     problem s = {.call = call, .o = o};
     rp_status status = file ? RP_OK : write_file(call, o, &file);
@@ -721,7 +717,6 @@ static rp_status calibrate(cli_call *call, const void *values)
         const char *slash = strrchr(s.path, '/');
         s.folder = rp_text(call->arena, "%.*s", slash ? (int)(slash - s.path) + 1 : 0, s.path);
         status = find(&s);
-        rp_folder_close(&s.runs_in);
         config_destroy(&s.config);
     }
     if (o->dry_run) remove_files(&s);

@@ -11,7 +11,8 @@
     X(TEXT, columns, "", "all", "", "columns (a or a,b,...) of the table, or of the grains")                 \
     X(BOOL, reduce, "", "false", "", "of a sweep: one row per grid point, as `repose sweep export` has it")  \
     X(TEXTS, set, "", "", "", "of a scene: KEY=VALUE replaces a key, as in `repose run`")                    \
-    CLI_WHERE(X)
+    CLI_WHERE(X)                                                                                             \
+    CLI_FORCE(X)
 
 CLI_OPTIONS(export, EXPORT_OPTIONS)
 enum { TO_CSV, TO_JSON, TO_LAMMPS, TO_XYZ, TO_VTK, TO_LAMMPS_INPUT };
@@ -48,7 +49,7 @@ static rp_status export_table(const cli_call *call, const char *source, const ex
     int *columns;
     RP_TRY(read_source(call, source, o, &t, &counts));
     RP_TRY(rp_columns(call->arena, t, o->columns, &n, &columns));
-    RP_TRY(export_open(o->o, &e));
+    RP_TRY(export_open(o->o, o->force, &e));
     rp_status status = (o->to == TO_CSV ? export_csv : export_json)(t, n, columns, e.out);
     RP_TRY(export_close(&e, status));
     return rp_prefix(sweep_check_whole(source, &counts), "the table is not whole: ");
@@ -57,12 +58,14 @@ static rp_status export_table(const cli_call *call, const char *source, const ex
 static rp_status export_grains(const cli_call *call, const char *source, const export_options *o)
 {
     rp_table *table;
+    export_run run;
     sweep_counts none;
     if (rp_is_in(source, "sweep.cfg"))
         return rp_fail(RP_USAGE, "%s is a sweep, which has no grains; csv and json export it", source);
     RP_TRY(read_source(call, source, o, &table, &none));
-    const export_format format = (export_format)(EXPORT_LAMMPS + o->to - TO_LAMMPS);
-    return export_grains_of(call->arena, source, table, o->columns, format, o->o);
+    RP_TRY(export_run_read(call->arena, source, table, o->columns, &run));
+    run.replace = o->force;
+    return export_write(&run, (export_format)(EXPORT_LAMMPS + o->to - TO_LAMMPS), o->o);
 }
 
 static rp_status act_export(cli_call *call, const void *values)
@@ -74,7 +77,7 @@ static rp_status act_export(cli_call *call, const void *values)
     if (o->to < TO_LAMMPS_INPUT) return export_grains(call, source, o);
     if (cli_given(call, "columns") || cli_given(call, "where") || o->reduce)
         return rp_fail(RP_USAGE, "--to lammps-input takes no --columns, --where or --reduce");
-    return export_lammps_input(call->arena, source, &o->set, o->o);
+    return export_lammps_input(call->arena, source, &o->set, o->o, o->force);
 }
 
 const cli_command cmd_export = {

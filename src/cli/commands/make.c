@@ -52,7 +52,7 @@ static const char *text_of(const config_setting_t *group, const char *key)
 /* The options of the command, their names as in a file, and which of them the setting has. */
 static rp_param *schema_of(step *s)
 {
-    static const char settled[] = "|o|force|quiet|j|set|resume|dump|snapshot|"; /* as where the table goes */
+    static const char settled[] = "|o|force|quiet|j|set|"; /* as where the table goes */
     cli_call *call = &s->call;
     rp_param *schema = rp_arena_memory(call->arena, call->n_own, sizeof *schema), *to = schema;
     for (size_t i = 0; i < call->n_own; i++) {
@@ -249,7 +249,7 @@ static rp_status export_to(const making *m, const char *name, unsigned what)
 {
     const char *path;
     RP_TRY(rp_path(m->call->arena, &path, "%s/%s.tsv", m->tables, name));
-    return cli_sweep_export(m->call, m->o->o, what, path, NULL);
+    return cli_sweep_export(m->call, m->o->o, what, path, true, NULL);
 }
 
 static rp_status plan_runs(const making *m, sweep_counts *counts)
@@ -323,15 +323,6 @@ static rp_status name_piles(const making *m, const step *s, cli_call *call)
     return call->n_arguments ? RP_OK : rp_config_fail(s->setting, "%s: no traces in this file", s->table);
 }
 
-/* May this command write the folder: nothing is there, or what the same file made? */
-static bool is_own_folder(const char *path, const char *line)
-{
-    rp_folder f;
-    const bool own = rp_folder_open(path, &f) ? f.file < 0 : !*f.holds || strstr(f.holds, line);
-    rp_folder_close(&f);
-    return own;
-}
-
 /* A command that finds no result is an answer too, if it prints a table. */
 static rp_status make_step(const making *m, const step *s)
 {
@@ -344,11 +335,8 @@ static rp_status make_step(const making *m, const step *s)
     RP_TRY(rp_path(call.arena, &path, "%s.tsv", folder));
     if (s->rows) RP_TRY(load_rows(m, s, &call, &table));
     if (s->stage) RP_TRY(name_piles(m, s, &call));
-    if (s->folder) {
-        *(const char **)cli_value(&call, "o") = folder;
-        *(bool *)cli_value(&call, "force") = is_own_folder(folder, call.line);
-    }
-    RP_TRY(rp_file_open(path, &out));
+    if (s->folder) *(const char **)cli_value(&call, "o") = folder, *(bool *)cli_value(&call, "force") = true;
+    RP_TRY(rp_file_open(path, true, &out));
     rp_status status = cli_act_into(&call, table, out);
     if (status == RP_NO_RESULT && ftell(out) > 0) {
         fprintf(stderr, "repose sweep: %s: %s\n", s->table, rp_message());
@@ -359,38 +347,12 @@ static rp_status make_step(const making *m, const step *s)
     return status;
 }
 
-/* Tables of another sweep do not give way to this one's. */
-static rp_status check_sweep(const making *m)
-{
-    const char *path = rp_text(m->call->arena, "%s/runs.tsv", m->tables);
-    char head[8192];
-    FILE *in = m->o->force ? NULL : fopen(path, "r");
-    if (!in) return RP_OK;
-    head[fread(head, 1, sizeof head - 1, in)] = '\0';
-    fclose(in);
-    const char *source = strstr(head, "\n# source: ");
-    const size_t n = source ? strcspn(source += 11, " \n") : 0;
-    return !source || (n == strlen(m->recipe.name) && strncmp(source, m->recipe.name, n) == 0)
-               ? RP_OK
-               : rp_fail(RP_BAD_INPUT, "%s: of the sweep %.*s; give another --tables, or --force", path,
-                         (int)n, source);
-}
-
-/* What a first look shows of the tables, which are made after all runs: a person's file, a row too many. */
+/* A row too many, before all runs. */
 static rp_status check_steps(const making *m, size_t n_runs)
 {
-    const char *path;
-    for (int k = 0; k < 2; k++) {
-        RP_TRY(rp_path(m->call->arena, &path, "%s/%s.tsv", m->tables, k ? "points" : "runs"));
-        if (m->recipe.has_runs) RP_TRY(rp_folder_admit(path, path, false));
-    }
-    for (const step *s = m->first; s; s = s->next) {
-        const bool trace = s->call.command == &cmd_run;
-        RP_TRY(rp_path(m->call->arena, &path, "%s/%s.tsv", m->tables, s->table));
-        RP_TRY(rp_folder_admit(path, path, false));
-        if (trace && *(const long *)cli_value(&s->call, "row") >= (long)n_runs)
+    for (const step *s = m->first; s; s = s->next)
+        if (s->call.command == &cmd_run && *(const long *)cli_value(&s->call, "row") >= (long)n_runs)
             return rp_config_fail(s->setting, "rows: %s: the sweep has %zu runs, from 0", s->table, n_runs);
-    }
     return RP_OK;
 }
 
@@ -404,10 +366,11 @@ static rp_status act_make(cli_call *call, const void *values)
     if (!status) status = read_list(&m, "model", read_model);
     m.tables = strcmp(m.o->tables, "auto") ? m.o->tables : rp_text(call->arena, "%s/tables", m.o->o);
     sweep_counts counts = {0};
-    if (!status && m.recipe.has_runs) status = check_sweep(&m);
     if (!status && m.recipe.has_runs) status = plan_runs(&m, &counts);
     if (!status) status = check_steps(&m, counts.planned);
-    if (!status) status = rp_make_directory(m.tables); /* after all checks, before the first run */
+    if (!status)
+        status = rp_folder_own(m.tables, rp_text(call->arena, "tables of the sweep %s", m.recipe.name),
+                               m.o->force); /* where all tables are the program's */
     if (!status && m.recipe.has_runs) status = make_runs(&m);
     for (const step *s = m.first; s && !status; s = s->next) status = make_step(&m, s);
     sweep_recipe_free(&m.recipe);

@@ -5,7 +5,7 @@
 #include "analytic/analytic.h"
 #include "stats/stats.h"
 #include "cli/cli.h"
-#include "cli/unfinished.h"
+#include "core/folder.h"
 #include "core/clock.h"
 #include "sweeps/protocols/pile.h"
 
@@ -146,10 +146,9 @@ static rp_status solve(const cli_call *call, options *o, sweep_outline *h)
     sweep_result results;
     double start = rp_clock();
     const bool watched = isatty(STDERR_FILENO);
-    RP_ENDS(cli_unfinished_free)
-    cli_unfinished u = {
-        .arena = call->arena, .directory = o->own.o, .holds = call->line, .force = o->own.force};
-    if (*o->own.o) RP_TRY(cli_unfinished_start(&u));
+    RP_ENDS(rp_folder_end) rp_folder f = {0};
+    if (*o->own.o) RP_TRY(rp_folder_begin(call->arena, o->own.o, call->line, o->own.force, &f));
+    if (f.part) RP_TRY(rp_folder_clear(&f));
     rp_status status = sweep_pile_solve(&o->pile, h, watched ? draw : NULL, &start, &s, &results);
     if (watched) fputs("\r\033[K", stderr);
     if (*o->own.disks) o->pile.base = (long)s.r.wells;
@@ -165,12 +164,12 @@ static rp_status solve(const cli_call *call, options *o, sweep_outline *h)
             write_summary(o, &results);
         else if (!s.r.fault)
             sweep_pile_write_base(&s, stdout);
-        const sweep_tables tables = {.directory = u.stage.path, .header = put_header, .context = call};
-        const rp_status written = u.entered ? sweep_pile_write(&s, &tables) : RP_OK,
-                        ended = cli_unfinished_end(&u, false, written);
-        status = ended ? ended : status ? rp_fail(status, "%s", results.message) : RP_OK;
+        const sweep_tables tables = {.directory = f.part, .header = put_header, .context = call};
+        if (f.part) RP_TRY(sweep_pile_write(&s, &tables));
+        if (f.part) RP_TRY(rp_folder_publish(&f));
+        return status ? rp_fail(status, "%s", results.message) : RP_OK;
     }
-    return cli_unfinished_end(&u, false, status); /* of a pile without a state */
+    return status;
 }
 
 /* Piles: how many, those with an equilibrium, and of these the unstable ones; N and H[disk][pile]. */

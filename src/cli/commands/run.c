@@ -8,8 +8,7 @@
 #include <xxhash.h>
 
 #include "cli/cli.h"
-#include "export/export.h"
-#include "cli/unfinished.h"
+#include "cli/result.h"
 #include "cli/progress.h"
 #include "cli/closing.h"
 #include "core/clock.h"
@@ -31,24 +30,18 @@
     X(INT, j, "", "1", "[1, 256]",                                                                           \
       "threads of one scene of some 16000 grains or more; the bits are the same for any number")             \
     X(INT, row, "", "0", "[0, 2147483647]", "number of the sweep's run, from 0")                             \
-    X(INT, snapshot, "steps", "0", "[0, 2147483647]",                                                        \
-      "interval of the snapshots in DIR/unfinished; 0: none; needs -o")                                      \
-    X(CHOICE, dump, "", "none", "none | lammps | xyz | vtk",                                                 \
-      "write the frames for another program too, as `repose export` does; needs -o")                         \
     X(TEXT, from, "", "", "",                                                                                \
       "begin where a run in this folder has kept the end of a phase, of a text that is the same up to "      \
       "there")                                                                                               \
     CLI_FORCE(X)                                                                                             \
-    CLI_QUIET(X)                                                                                             \
-    X(TEXT, resume, "", "", "", "resume from the snapshot in this folder, with the options of the start")
+    CLI_QUIET(X)
 
 CLI_OPTIONS(run, RUN_OPTIONS)
 
-/* What a run is to do. A snapshot keeps it. */
+/* What a run is to do. */
 typedef struct {
-    long steps, every[CLI_GROWING], snapshot, dump; /* every: as dem_intervals, of the tables below */
-    bool ledger, phases;
-    XXH128_hash_t scene;
+    long steps, every[CLI_GROWING]; /* every: as dem_intervals, of the tables below */
+    bool ledger;
 } run_plan;
 
 /* Energy without source must not grow. Samples of the first and of the last quarter of a long run are
@@ -83,8 +76,7 @@ typedef struct {
     dem_sim *sim;              /* with phases theirs */
     exp_run *exp;              /* NULL: no phases */
     origin of;
-    char line[4096]; /* of its start, for tables that are written at the end */
-    cli_unfinished unfinished;
+    cli_result result;
     cli_progress progress;
 } scene_run;
 
@@ -96,12 +88,6 @@ static void put_origin(const void *context, FILE *out)
     if (of->start) rp_table_note(out, "start", "%s", of->start);
 }
 
-/* For the folder's marker. */
-static const char *holds(const origin *of)
-{
-    return rp_text(of->call.arena, "%s (%.900s)", of->run, of->call.line);
-}
-
 /* Every table gets rows of each frame. */
 enum { STATES, ENERGY, CONTACTS, WALLS };
 static const char *const growing[CLI_GROWING] = {"states.tsv", "energy.tsv", "contacts.tsv", "walls.tsv"};
@@ -109,18 +95,6 @@ static const char *const growing[CLI_GROWING] = {"states.tsv", "energy.tsv", "co
 static uint64_t layout(void)
 {
     return dem_keep_layout() ^ sizeof(scene_run) ^ exp_keep_layout() << 20;
-}
-
-static scene_run run_in(const cli_call *call, const run_options *o, const char *directory)
-{
-    return (scene_run){.o = o,
-                       .of = {.call = *call},
-                       .written = {-1, -1, -1, -1},
-                       .unfinished = {.arena = call->arena,
-                                      .directory = directory,
-                                      .force = o->force,
-                                      .layout = layout(),
-                                      .names = growing}};
 }
 
 static void free_run(scene_run *r)
@@ -132,31 +106,20 @@ static void free_run(scene_run *r)
     if (!r->phases) dem_scene_free(&r->scene);
     exp_free(r->phases);
     dem_text_close(&r->text);
-    cli_unfinished_free(&r->unfinished);
+    cli_result_free(&r->result);
 }
 
 static void keep_run(rp_snapshot *s, void *context)
 {
     scene_run *r = context;
-    RP_KEEP(s, r->plan);
     RP_KEEP(s, r->energy);
     RP_KEEP(s, r->rest);
     RP_KEEP(s, r->written);
-    rp_keep_check(s, rp_keep_bool(&r->plan.phases) && r->plan.phases == (r->exp != NULL),
-                  r->exp ? "no phases"
-                         : "phases: give the file too, and its --set: repose run FILE --resume DIR");
-    if (s->reading && r->plan.ledger) { /* as the start was told */
-        r->scene.def.ledger = true;
-        if (r->phases) exp_keep_ledger(r->phases);
-    }
-    if (!r->plan.phases || s->status) {
+    if (!r->exp) {
+        if (s->reading) dem_free(r->sim), r->sim = NULL;
         dem_keep(s, &r->sim);
         return;
     }
-    RP_KEEP(s, r->line);
-    RP_KEEP(s, r->of.run);
-    rp_keep_check(s, memchr(r->line, 0, sizeof r->line) && memchr(r->of.run, 0, sizeof r->of.run),
-                  "no command");
     exp_keep(s, r->exp);
     r->sim = exp_sim(r->exp);
 }
@@ -164,24 +127,18 @@ static void keep_run(rp_snapshot *s, void *context)
 /* NULL: no such table. */
 static FILE *table_of(const scene_run *r, int k)
 {
-    return r->unfinished.table[k].file;
+    return r->result.table[k];
 }
 
-static rp_status open_tables(scene_run *r)
+static void begin_tables(scene_run *r)
 {
-    if (r->exp && !*r->o->o) return RP_OK; /* standard output holds the measures */
-    if (*r->o->o) {
-        RP_TRY(cli_unfinished_start(&r->unfinished));
-        for (int k = 0; k < CLI_GROWING; k++) put_origin(&r->of, table_of(r, k));
-        for (int k = STATES + 1; k < CLI_GROWING; k++)
-            dem_write_columns((dem_table)k, r->plan.ledger, table_of(r, k));
-    } else {
-        r->unfinished.table[STATES].file = stdout;
-        cli_provenance(&r->of.call, stdout);
-    }
+    for (int k = 0; k < CLI_GROWING && *r->o->o; k++) put_origin(&r->of, table_of(r, k));
+    for (int k = STATES + 1; k < CLI_GROWING && *r->o->o; k++)
+        dem_write_columns((dem_table)k, r->plan.ledger, table_of(r, k));
+    if (!*r->o->o && r->exp) return; /* standard output holds the measures */
+    if (!*r->o->o) r->result.table[STATES] = stdout, cli_provenance(&r->of.call, stdout);
     dem_write_notes(r->sim, table_of(r, STATES));
     dem_write_columns(DEM_TABLE_STATES, false, table_of(r, STATES));
-    return RP_OK;
 }
 
 /* Steps so far, also in tables; those of a simulation alone go back with it. */
@@ -240,12 +197,7 @@ static void growth_report(const growth *g, const dem_sim *sim, FILE *states)
     fprintf(stderr, "repose run: warning: %s\n", text);
 }
 
-static volatile sig_atomic_t stop_signal;
-
-static void note_stop(int signal_number)
-{
-    stop_signal = signal_number;
-}
+static volatile bool stop_asked;
 
 /* Steps from `step` to the next multiple of `every`; `most` without. */
 static long steps_to(long step, long every, long most)
@@ -285,12 +237,9 @@ static void show_progress(scene_run *r)
 static rp_status stop(const scene_run *r)
 {
     char text[256];
-    const char *where = r->exp ? exp_where(r->exp, text, sizeof text)
-                               : rp_text(r->of.call.arena, "%ld", r->plan.steps),
-               *at = rp_text(r->of.call.arena, "stopped at step %ld of %s", steps_of(r), where);
-    return r->plan.snapshot > 0 ? rp_fail(RP_STOPPED, "%s; repose run %s--resume %s continues", at,
-                                          r->exp ? "FILE " : "", r->unfinished.directory)
-                                : rp_fail(RP_STOPPED, "%s", at);
+    const char *where =
+        r->exp ? exp_where(r->exp, text, sizeof text) : rp_text(r->of.call.arena, "%ld", r->plan.steps);
+    return rp_fail(RP_STOPPED, "stopped at step %ld of %s", steps_of(r), where);
 }
 
 /* Advance to the end, or until a signal. */
@@ -305,7 +254,6 @@ static rp_status advance(scene_run *r)
         const long before = steps_of(r);
         long part = most; /* go_on stops at the end */
         for (int k = 0; k < CLI_GROWING; k++) part = steps_to(before, p->every[k], part);
-        part = steps_to(before, p->snapshot, part);
         part = steps_to(before, r->energy.every, part);
         const size_t stages = r->exp ? exp_stages(r->exp) : 0;
         const rp_status status = go_on(r, part);
@@ -313,16 +261,15 @@ static rp_status advance(scene_run *r)
         const bool stage = r->exp && exp_stages(r->exp) > stages;
         show_progress(r);
         RP_TRY(status);
-        if (step == before && (!stop_signal || is_done(r))) continue; /* a phase began or ended */
+        if (step == before && (!stop_asked || is_done(r))) continue; /* a phase began or ended */
         growth_sample(&r->energy, r->sim);
-        if (!r->exp) RP_TRY(cli_rest_look(r->unfinished.arena, r->sim, &r->rest));
+        if (!r->exp) RP_TRY(cli_rest_look(r->of.call.arena, r->sim, &r->rest));
         if (!told) cli_tell_threads(r->sim, "run", r->o->j);
         told = true;
         if (is_done(r)) continue;
         if (step != before) RP_TRY(write_frame(r, stage, false));
-        if (p->snapshot > 0 && (stop_signal || step % p->snapshot == 0))
-            RP_TRY(cli_unfinished_write(&r->unfinished, keep_run, r));
-        if (stop_signal) return stop(r);
+        RP_TRY(cli_result_keep(&r->result, stop_asked));
+        if (stop_asked) return stop(r);
     }
     return RP_OK;
 }
@@ -372,8 +319,8 @@ static void write_measures(const scene_run *r, FILE *out)
 /* The file `name` of the result. */
 static rp_status open_result(const scene_run *r, const char *name, const char **path, FILE **file)
 {
-    RP_TRY(rp_path(r->of.call.arena, path, "%s/%s", r->unfinished.stage.path, name));
-    return rp_file_open(*path, file);
+    RP_TRY(rp_path(r->of.call.arena, path, "%s/%s", r->result.folder.part, name));
+    return rp_file_open(*path, true, file);
 }
 
 /* A state at the end of a phase belongs to all texts that are the same up to there. */
@@ -388,7 +335,7 @@ static rp_status write_results(const scene_run *r)
     const char *path, *name;
     FILE *table;
     write_measures(r, stdout);
-    if (!*r->unfinished.directory) return RP_OK;
+    if (!*r->o->o) return RP_OK;
     RP_TRY(open_result(r, "measures.tsv", &path, &table));
     write_measures(r, table);
     RP_TRY(rp_file_close(path, table, RP_OK));
@@ -413,7 +360,7 @@ static rp_status write_results(const scene_run *r)
 static rp_status close_phases(const scene_run *r)
 {
     const exp_end *end = exp_ended(r->exp);
-    const char *directory = r->unfinished.directory;
+    const char *directory = r->o->o;
     if (!rp_is_result(end->status))
         return rp_fail(RP_NO_RESULT, "%s: %s%s%s", end->status, end->message,
                        *directory ? "; tables in " : "", directory);
@@ -424,7 +371,7 @@ static rp_status close_phases(const scene_run *r)
     return RP_OK;
 }
 
-/* All that a result has besides the frames before its end. Those for another program come from the tables. */
+/* All that a result has besides the frames before its end. */
 static rp_status write_end(scene_run *r)
 {
     RP_TRY(write_frame(r, false, true));
@@ -432,21 +379,19 @@ static rp_status write_end(scene_run *r)
         RP_TRY(write_results(r));
     else
         growth_report(&r->energy, r->sim, table_of(r, STATES));
-    if (!*r->unfinished.directory) return RP_OK;
-    for (int k = 0; k < CLI_GROWING; k++) RP_TRY(rp_file_finish(table_of(r, k), growing[k]));
-    return export_folder(r->of.call.arena, r->unfinished.stage.path, (export_format)r->plan.dump);
+    return RP_OK;
 }
 
 /* From the start, or resumed from where the run is. */
 static rp_status finish_scene(scene_run *r, rp_status status)
 {
-    const char *directory = r->unfinished.directory;
+    const char *directory = r->o->o;
     r->progress =
         cli_progress_start(r->o->quiet, isatty(STDERR_FILENO), rp_clock(), dem_step(r->sim), r->plan.steps);
     if (!status) status = advance(r);
     if (!status) status = write_end(r);
     if (*directory)
-        status = cli_unfinished_end(&r->unfinished, r->plan.snapshot > 0, status);
+        status = cli_result_end(&r->result, status);
     else if (status && table_of(r, STATES))
         rp_table_note(stdout, "unfinished", "%s", rp_message());
     else if (!status)
@@ -466,26 +411,27 @@ static rp_status run_row(const cli_call *call, const char *path, const run_optio
     sweep_result result;
     const sweep_output *made;
     const double started = rp_clock();
-    static volatile bool stopped;
     const char *snapshot;
+    bool resumed;
     origin of = {.call = *call};
     snprintf(of.run, sizeof of.run, "%s row %ld", path, o->row);
-    RP_ENDS(cli_unfinished_free)
-    cli_unfinished folder = {
-        .arena = call->arena, .directory = o->o, .holds = holds(&of), .force = o->force, .resumes = true};
-    RP_TRY(cli_unfinished_start(&folder));
-    RP_TRY(rp_path(call->arena, &snapshot, "%s/snapshot", folder.stage.path));
-    cli_unfinished_stops(o->o, &stopped);
-    sweep_keep keep = {.path = snapshot, .interval = CLI_SNAPSHOT, .stop = &stopped};
-    const sweep_tables tables = {.directory = folder.stage.path,
-                                 .every = o->every > 0 ? o->every : 100,
+    const long every = o->every > 0 ? o->every : 100;
+    const char *holds =
+        rp_text(call->arena, "%s, energies each %ld%s", of.run, every, o->ledger ? ", ledger" : "");
+    RP_ENDS(cli_result_free) cli_result folder = {0};
+    RP_TRY(cli_result_begin(&folder, call->arena, o->o, holds, o->force, &resumed));
+    RP_TRY(rp_path(call->arena, &snapshot, "%s/snapshot", folder.folder.part));
+    cli_on_stop(&stop_asked);
+    sweep_keep keep = {.path = snapshot, .interval = CLI_SNAPSHOT, .stop = &stop_asked};
+    const sweep_tables tables = {.directory = folder.folder.part,
+                                 .every = every,
                                  .header = put_origin,
                                  .context = &of,
                                  .ledger = o->ledger,
                                  .keep = &keep};
     rp_status status =
         sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, call->arena, &made, &result);
-    RP_TRY(cli_unfinished_end(&folder, false, status));
+    RP_TRY(cli_result_end(&folder, status));
     cli_provenance(call, stdout);
     rp_table_note(stdout, "run_time", "%.3g s", rp_clock() - started);
     cli_result_row(NULL, NULL, made, &result);
@@ -571,14 +517,14 @@ static rp_status read_text(const char *path, scene_run *r)
     return RP_OK;
 }
 
-static void name_run(const char *path, scene_run *r)
+static void name_run(const char *path, const XXH128_hash_t *scene, scene_run *r)
 {
     const long *every = r->plan.every;
     rp_arena *arena = r->of.call.arena;
     const char *frames = *every > 0 ? rp_text(arena, "a frame each %ld", *every) : "the last frame",
                *length = r->phases ? "phases" : rp_text(arena, "%ld steps", r->plan.steps);
     char key[33];
-    rp_hash_digits(r->plan.scene, key);
+    rp_hash_digits(*scene, key);
     if (every[ENERGY] != *every || every[CONTACTS] != *every || every[WALLS] != *every)
         frames = rp_text(arena, "frames each %ld (states), %ld (energy), %ld (contacts), %ld (walls)",
                          every[STATES], every[ENERGY], every[CONTACTS], every[WALLS]);
@@ -624,10 +570,12 @@ static rp_status begin_from(const char *path, scene_run *r)
 
 static rp_status run_file(const cli_call *call, const char *path, const run_options *o)
 {
-    RP_ENDS(free_run) scene_run r = run_in(call, o, o->o);
+    RP_ENDS(free_run)
+    scene_run r = {.o = o,
+                   .of = {.call = *call},
+                   .written = {-1, -1, -1, -1},
+                   .result = {.names = growing, .keep = keep_run, .context = &r, .layout = layout()}};
     if (cli_given(call, "row")) return rp_fail(RP_USAGE, "--row needs a sweep file; %s is a scene", path);
-    if (o->snapshot > 0 && !*o->o) return rp_fail(RP_USAGE, "--snapshot needs -o DIR");
-    if (o->dump && !*o->o) return rp_fail(RP_USAGE, "--dump needs -o DIR");
     RP_TRY(read_text(path, &r));
     if (r.phases && o->every > 0 && !*o->o)
         return rp_fail(RP_USAGE,
@@ -636,16 +584,12 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
     const dem_intervals *own = &r.scene.output;
     const long every[] = {own->states, own->energy, own->contacts, own->walls},
                steps = r.phases ? 0 : r.scene.steps;
-    r.plan = (run_plan){.steps = steps,
-                        .snapshot = o->snapshot,
-                        .dump = o->dump,
-                        .ledger = r.scene.def.ledger,
-                        .phases = r.phases != NULL};
+    r.plan = (run_plan){.steps = steps, .ledger = r.scene.def.ledger};
     for (int k = 0; k < CLI_GROWING; k++) r.plan.every[k] = o->every > 0 ? o->every : every[k];
-    if (*o->o) RP_TRY(hash_scene(&r, &r.plan.scene));
+    XXH128_hash_t scene = {0};
+    if (*o->o) RP_TRY(hash_scene(&r, &scene));
     r.rest.steps = steps;
-    name_run(path, &r);
-    snprintf(r.line, sizeof r.line, "%s", call->line);
+    name_run(path, &scene, &r);
     bool cut = false;
     r.scene.cut = &cut;
     const rp_status status = start(&r);
@@ -661,85 +605,23 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
     if (r.of.start) fprintf(stderr, "repose run: %s: %s\n", path, r.of.start);
     RP_TRY(status);
     if (!r.phases) r.energy = growth_of(&r.scene, r.sim);
-    r.unfinished.holds = holds(&r.of);
-    cli_on_stop(note_stop);
-    rp_status begun = open_tables(&r);
-    if (!begun && !is_done(&r)) begun = write_frame(&r, false, false);
-    if (!begun && o->snapshot > 0) begun = cli_unfinished_write(&r.unfinished, keep_run, &r);
-    return finish_scene(&r, begun);
-}
-
-/* A scene file that is given must be that of the snapshot, or where the run is done that of the finished
- * tables, which the folder's marker names. */
-static rp_status check_scene(const char *path, const scene_run *r, bool done)
-{
-    XXH128_hash_t hash = {0};
-    RP_TRY(hash_scene(r, &hash));
-    char steps[32], key[48] = ", key ";
-    snprintf(steps, sizeof steps, r->phases ? ", phases, " : ", %ld steps, ", r->scene.steps);
-    rp_hash_digits(hash, key + strlen(key));
-    const bool same = done ? strstr(r->unfinished.holds, steps) && strstr(r->unfinished.holds, key)
-                           : XXH128_isEqual(hash, r->plan.scene) &&
-                                 (r->phases || r->scene.steps == r->plan.steps) &&
-                                 r->scene.def.ledger == r->plan.ledger;
-    if (same) return RP_OK;
-    return rp_fail(RP_BAD_INPUT, "%s: not the scene that the %s in %s %s of", path,
-                   done ? "tables" : "snapshot", r->o->resume, done ? "are" : "is");
-}
-
-/* The run is done; where its phases ended with a word other than ok, that is no result. */
-static rp_status tell_done(const scene_run *r)
-{
-    static const char label[] = "# status: ";
-    const char *path, *directory = r->unfinished.directory;
-    char *text = NULL, *word = NULL;
-    RP_TRY(rp_path(r->of.call.arena, &path, "%s/measures.tsv", directory));
-    if (rp_is_in(directory, "measures.tsv")) {
-        const rp_status read = rp_file_read(path, &text);
-        if (!rp_arena_keep(r->of.call.arena, text, free) || read) return read ? read : RP_NO_MEMORY;
-        word = strstr(text, label);
+    bool resumed = false;
+    const char *holds = rp_text(call->arena, "%s%s", r.of.run, r.plan.ledger ? ", ledger" : "");
+    cli_on_stop(&stop_asked);
+    if (*o->o) RP_TRY(cli_result_begin(&r.result, call->arena, o->o, holds, o->force, &resumed));
+    if (resumed) {
+        if (!o->quiet) fprintf(stderr, "repose run: %s: continues from step %ld\n", o->o, steps_of(&r));
+        return finish_scene(&r, RP_OK);
     }
-    if (word) word = strtok(word + strlen(label), "\n");
-    if (word && !rp_is_result(word))
-        return rp_fail(RP_NO_RESULT, "%s: the run is done, without a result: %s", directory, word);
-    fprintf(stderr, "repose run: %s: the run is done; its tables are in this folder\n", directory);
-    return RP_OK;
-}
-
-static rp_status resume(const cli_call *call, const run_options *o)
-{
-    static const char *const of_the_start[] = {"o", "every", "row", "snapshot", "dump", "force", "from"};
-    const char *scene = cli_argument(call, 0);
-    RP_ENDS(free_run) scene_run r = run_in(call, o, o->resume);
-    for (size_t i = 0; i < N_OF(of_the_start); i++)
-        if (cli_given(call, of_the_start[i]))
-            return rp_fail(RP_USAGE,
-                           "--resume continues with the options of the start; it takes no -o, --every, "
-                           "--row, --snapshot, --dump, --from or --force");
-    if (!scene && (o->set.n > 0 || o->ledger))
-        return rp_fail(RP_USAGE, "--set and --ledger need a scene file");
-    if (scene) RP_TRY(read_text(scene, &r));
-    if (r.phases) RP_TRY(start(&r));
-    cli_on_stop(note_stop);
-    bool done;
-    rp_status status = cli_unfinished_resume(&r.unfinished, keep_run, &r, &done);
-    if (!status && scene) status = check_scene(scene, &r, done);
-    if (!status && done) status = tell_done(&r);
-    if (status || done) return cli_unfinished_end(&r.unfinished, true, status);
-    if (r.exp) r.of.call.line = r.line;
-    if (!o->quiet) fprintf(stderr, "repose run: %s: continues from step %ld\n", o->resume, steps_of(&r));
-    return finish_scene(&r, RP_OK);
+    begin_tables(&r);
+    return finish_scene(&r, is_done(&r) ? RP_OK : write_frame(&r, false, false));
 }
 
 static rp_status run_any(cli_call *call, const void *values)
 {
-    static const char *const of_scenes[] = {"j", "set", "snapshot", "dump", "from"};
-    const run_options *o = values;
-    const char *path = cli_argument(call, 0);
+    static const char *const of_scenes[] = {"j", "set", "from"};
+    const char *path = cli_data(call->arena, cli_argument(call, 0));
     bool sweep;
-    if (*o->resume) return resume(call, o);
-    if (!path) return rp_fail(RP_USAGE, "give a file, or --resume DIR; see repose run --help");
-    path = cli_data(call->arena, path);
     RP_TRY(is_sweep(path, &sweep));
     for (size_t i = 0; sweep && i < N_OF(of_scenes); i++)
         if (cli_given(call, of_scenes[i]))
@@ -754,9 +636,7 @@ static rp_status run_any(cli_call *call, const void *values)
 const cli_command cmd_run = {
     "run",
     "simulate any scene, described in a file",
-    "SCENE.cfg [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR [--snapshot N] [--dump FORMAT] "
-    "[--force]]\n"
-    "[SCENE.cfg] --resume DIR\n"
+    "SCENE.cfg [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR [--force]]\n"
     "SWEEP.cfg [--row N] -o DIR [--every N] [--ledger] [--force]",
     "A file that the current folder lacks, as examples/pile.cfg, is read from the program's own files: "
     "PREFIX/share/repose where it is installed.\n"
@@ -768,34 +648,23 @@ const cli_command cmd_run = {
     "`from` and `to` along the normal turned clockwise; an open wall has equal ends. In contacts.tsv, "
     "shear_force acts on the second body, along the way from the first turned clockwise, shear_spring has "
     "the other sign; rolling_torque acts on the first, rolling_spring is at the arm r_i r_j/(r_i + r_j). "
-    "`repose params scene` lists the keys of a scene file. Tables of a run that was stopped or failed go to "
-    "DIR/unfinished: only a whole result takes its place in DIR. A finished result is replaced with --force "
-    "alone; what the program did not write there is never touched (DIR/.repose lists what it did). --dump "
-    "lammps, xyz or vtk adds DIR/run.lammpstrj, DIR/run.xyz or DIR/run.pvd, as `repose export` has them. The "
+    "`repose params scene` lists the keys of a scene file. The result grows in DIR.part and becomes DIR when "
+    "it "
+    "is whole; a finished one is replaced with --force alone. After a stop, a kill or a power cut the same "
+    "command "
+    "continues from the last snapshot, one a minute, and ends with the files of an undisturbed run. The "
     "run ends with one line on standard error: grains, steps, at rest or not (a mean kinetic energy below "
     "1e-7 m g d, and forces that balance to 1e-2 m g, by ten looks in the last 5000 steps), and theta_R by "
     "method 3 where the surface at rest falls to one side by all three methods. The slope is measured from "
     "the standing wall to the opened one, or over the whole pile if no wall opens.\n"
     "\n"
-    "--snapshot N: the tables grow in DIR/unfinished, where a snapshot is written every N steps and at "
-    "SIGINT, SIGTERM or SIGHUP. `repose run --resume DIR` continues after a stop, a kill or a power cut, and "
-    "ends with the files of an undisturbed run, byte by byte. A snapshot of another scene, program version "
-    "or model, or a damaged one, is refused.\n"
-    "\n"
     "SWEEP.cfg (a file with the key `protocol`): repeat one run of the sweep and print its results. The "
-    "folder gets the tables of this run. A long run of any protocol but pile keeps a snapshot there: after a "
-    "stop or a kill the same command continues. Of a text: grains, contacts and walls at the end of each "
+    "folder gets the tables of this run. Of a text: grains, contacts and walls at the end of each "
     "phase, phases.tsv, energies, and a file scene.cfg that `repose run` repeats bit for bit. For a static "
     "pile: disks, contacts, wells and the forces on the base.",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
     run_params,
-    .refuses =
-        "A folder with a finished result: give another one, or --force. A sweep's folder, and files in the "
-        "way.\n"
-        "--snapshot and --dump without -o; --row with a scene; --set, -j, --snapshot, --dump and --from with "
-        "a sweep.\n"
-        "--from without a phase that keeps its end, or where the folder's text begins otherwise.\n"
-        "--resume with -o, --every, --row, --snapshot, --dump, --from or --force: it continues with the "
-        "options of the start.\n"
-        "A snapshot of another scene, program version or model, or a damaged one.",
+    .refuses = "A folder with a finished result, or with other files: give another one, or --force.\n"
+               "--row with a scene; --set, -j and --from with a sweep.\n"
+               "--from without a phase that keeps its end, or where the folder's text begins otherwise.",
     .act = run_any};

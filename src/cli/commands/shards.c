@@ -42,7 +42,8 @@ const cli_command cmd_sweep_merge = {
     X(INT, shards, "", NULL, "[1, 100000]", "jobs of the array")                                             \
     X(INT, j, "", "1", "[1, 4096]", "worker processes of each job, and its processors")                      \
     X(TEXT, time, "", "1:00:00", "", "longest time of a job, as sbatch takes it")                            \
-    X(TEXT, mem, "", "1G", "", "memory of each processor")
+    X(TEXT, mem, "", "1G", "", "memory of each processor")                                                   \
+    CLI_FORCE(X)
 
 CLI_OPTIONS(slurm, SLURM_OPTIONS)
 
@@ -90,7 +91,6 @@ static rp_status act_slurm(cli_call *call, const void *values)
     const slurm_options *o = values;
     char dir[PATH_MAX], self[PATH_MAX];
     const char *shards, *path;
-    char *there;
     FILE *out;
     if (!realpath(cli_argument(call, 0), dir) || !rp_program(self, sizeof self))
         return rp_fail(RP_BAD_INPUT, "%s: no such folder", cli_argument(call, 0));
@@ -106,21 +106,12 @@ static rp_status act_slurm(cli_call *call, const void *values)
         return rp_fail(RP_BAD_INPUT, "--time 1:00:00 and --mem 1G expected");
     RP_TRY(rp_path(call->arena, &shards, "%s/shards", dir));
     RP_TRY(rp_path(call->arena, &path, "%s/array.sh", dir));
-    RP_TRY(rp_make_directory(shards));
+    RP_TRY(rp_file_open(path, o->force, &out));
     const char *folder = quoted(call->arena, dir), *program = quoted(call->arena, self),
                *script = rp_text(call->arena, array_script, o->shards, o->j, o->time, o->mem, folder,
                                  o->shards, program, folder, o->shards, o->j);
-    if (access(path, F_OK) == 0) { /* a person may have added an account or a partition */
-        RP_TRY(rp_file_read(path, &there));
-        const bool same = strcmp(there, script) == 0;
-        free(there);
-        if (!same)
-            return rp_fail(RP_BAD_INPUT, "%s: is not what these options say; move it away for a new one",
-                           path);
-    }
-    RP_TRY(rp_file_open(path, &out));
     fputs(script, out);
-    RP_TRY(rp_file_close(path, out, RP_OK));
+    RP_TRY(rp_file_close(path, out, rp_make_directory(shards)));
     printf(
         "sbatch %s\nparallel -q --sshlogin HOST1,HOST2 %s sweep run %s --shard {}/%ld -j %ld ::: $(seq %ld)\n"
         "repose sweep merge %s\n",

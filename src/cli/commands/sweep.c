@@ -132,7 +132,8 @@ static const cli_command status_of = {
 #define EXPORT_OPTIONS(X)                                                                                    \
     X(TEXT, o, "", "-", "", "file to write; - is standard output")                                           \
     X(BOOL, reduce, "", "false", "",                                                                         \
-      "one row per grid point: mean, sd, se, 95 % interval (Student's t) and n of each output")
+      "one row per grid point: mean, sd, se, 95 % interval (Student's t) and n of each output")              \
+    CLI_FORCE(X)
 
 CLI_OPTIONS(export, EXPORT_OPTIONS)
 
@@ -140,8 +141,8 @@ static rp_status act_export(cli_call *call, const void *values)
 {
     const export_options *o = values;
     sweep_counts counts;
-    RP_TRY(
-        cli_sweep_export(call, cli_argument(call, 0), o->reduce ? SWEEP_POINTS : SWEEP_RUNS, o->o, &counts));
+    RP_TRY(cli_sweep_export(call, cli_argument(call, 0), o->reduce ? SWEEP_POINTS : SWEEP_RUNS, o->o,
+                            o->force, &counts));
     return rp_prefix(sweep_check_whole(cli_argument(call, 0), &counts), "the table is not whole: ");
 }
 
@@ -155,7 +156,7 @@ static const cli_command export = {
     "or aborted, the table has the others, and the exit status is 1.",
     "repose sweep export build/sweeps/lh3 --reduce -o build/tables/lh3.tsv",
     export_params,
-    .refuses = "An output that is a file of the sweep itself.",
+    .refuses = "A file that is there, without --force.",
     .act = act_export};
 
 static rp_status act_digest(cli_call *call, const void *values)

@@ -21,37 +21,28 @@
       "diameters, in a narrow pile one, or an eighth of its width")                                          \
     X(TEXT, window, "", "auto", "", "X0,X1,Y0,Y1: part that is shown; auto: all grains")                     \
     X(REAL, width, "cm", "18", "[8, 60]", "width of the picture")                                            \
-    X(REAL, fps, "1/s", "10", "[0.1, 50]", "frames a second of an animation")
+    X(REAL, fps, "1/s", "10", "[0.1, 50]", "frames a second of an animation")                                \
+    CLI_FORCE(X)
 
 CLI_OPTIONS(view, VIEW_OPTIONS)
 
 #define TEXT_OF(number) TEXT(number)
 #define TEXT(number)    #number
 
-/* Kinds of output by the name's ending. The tail takes the place of the last bytes of a picture, by the
- * rules of its format. It shows that the program made the picture, which it may then replace. */
-#define TAIL(bytes, cut) bytes, sizeof bytes - 1, cut
+/* Kinds of output by the name's ending. */
 static const struct kind {
     const char *ending, *terminal;
     double per_cm; /* pixels */
     bool moves;
-    const char *tail;
-    size_t n;
-    off_t cut;
 } kinds[] = {
-    {.ending = "", .terminal = ""}, /* a window, of gnuplot's own choice */
-    {".png", "pngcairo enhanced font 'DejaVu Sans,11' fontscale 1.5 linewidth 2 size %.0f,%.0f", 80.0, false,
-     TAIL("\0\0\0\x14tEXtSoftware\0repose view\x8d\xac\x0a\xaf\0\0\0\0IEND\xae\x42\x60\x82", 12)},
+    {"", ""}, /* a window, of gnuplot's own choice */
+    {".png", "pngcairo enhanced font 'DejaVu Sans,11' fontscale 1.5 linewidth 2 size %.0f,%.0f", 80.0},
     {".svg", "svg enhanced font 'DejaVu Sans," TEXT_OF(VIEW_LETTERS) "' background 'white' size %.0f,%.0f",
-     37.8, false, TAIL("<!-- repose view -->\n", 0)},
-    {".pdf", "pdfcairo enhanced font 'DejaVu Sans,8' size %.3fcm,%.3fcm", 1.0, false,
-     TAIL("%repose view\n", 0)},
-    {".gif", "gif animate delay %d loop 0 enhanced font 'DejaVu Sans,10' size %.0f,%.0f", 48.0, true,
-     TAIL("!\xfe\x0brepose view\0;", 1)},
-    {".mp4", "pngcairo enhanced font 'DejaVu Sans,11' fontscale 1.1 linewidth 1.5 size %.0f,%.0f", 60.0, true,
-     TAIL("\0\0\0\x13"
-          "freerepose view",
-          0)}};
+     37.8},
+    {".pdf", "pdfcairo enhanced font 'DejaVu Sans,8' size %.3fcm,%.3fcm", 1.0},
+    {".gif", "gif animate delay %d loop 0 enhanced font 'DejaVu Sans,10' size %.0f,%.0f", 48.0, true},
+    {".mp4", "pngcairo enhanced font 'DejaVu Sans,11' fontscale 1.1 linewidth 1.5 size %.0f,%.0f", 60.0,
+     true}};
 
 static rp_status find_kind(const char *path, const struct kind **kind)
 {
@@ -188,15 +179,6 @@ static rp_status film(rp_arena *arena, const picture *p, const view_options *o, 
     return status ? status : closed;
 }
 
-/* A device takes a picture as it is. */
-static rp_status sign(const struct kind *kind, const char *path, FILE *out)
-{
-    const off_t end = lseek(fileno(out), 0, SEEK_END);
-    const off_t at = end > kind->cut ? end - kind->cut : 0;
-    if (end < 0 || pwrite(fileno(out), kind->tail, kind->n, at) == (ssize_t)kind->n) return RP_OK;
-    return rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
-}
-
 static rp_status act_view(cli_call *call, const void *values)
 {
     const view_options *o = values;
@@ -212,9 +194,8 @@ static rp_status act_view(cli_call *call, const void *values)
                          &p.first, &p.last));
     RP_TRY(view_scale_of(call->arena, &p.scene, p.first, p.last, &p.style, &p.scale));
     if (!*o->o) return draw(call->arena, &p, o, NULL);
-    RP_TRY(rp_file_open(o->o, &out));
+    RP_TRY(rp_file_open(o->o, o->force, &out));
     rp_status status = (strcmp(p.kind->ending, ".mp4") ? draw : film)(call->arena, &p, o, out);
-    if (!status) status = sign(p.kind, o->o, out);
     return rp_file_close(o->o, out, status);
 }
 
