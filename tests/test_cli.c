@@ -1728,9 +1728,8 @@ static void test_run_stopped(void)
             CHECK_PARTS(err, "stopped", "; the same command continues\n");
         }
     }
-    SHELL("test -s d.part/snapshot && test -s r.part/snapshot && test -s many.part/snapshot && ! test -e "
-          "many && cat "
-          "d/*.tsv r/*.* | cmp - before");
+    SHELL("for of in d r many; do test -s $of.part/snapshot || { ls -a . $of.part >&2; exit 1; }; done");
+    SHELL("! test -e many && cat d/*.tsv r/*.* | cmp - before");
     SHELL("trap '' HUP; \"$REPOSE\" run many.cfg --set steps=30000 >out 2>err & p=$!; while kill -HUP $p "
           "2>/dev/null; do sleep 0.02; done; wait $p");
     GOOD("run s.cfg --every 10 -o d --force");

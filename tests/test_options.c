@@ -55,6 +55,7 @@ static const struct {
     const char *command, *option, *reason;
 } exceptions[] = {{"stats select", "--bare", "takes the header away: suite cli"},
                   {"export", "-o", "a file: suite export"},
+                  {"export", "--force", "suite folders"},
                   {"export", "--reduce", "of a sweep: suite export"},
                   {"export", "--set", "of a scene: suite export"},
                   {"stress field", "--where", "tables of several steps: suite cli"},
@@ -74,7 +75,8 @@ static const struct {
                   {"bench", "--kernel", "times are not compared"},
                   {"bench", "--repeat", "times are not compared"},
                   {"bench", "-j", "times are not compared"},
-                  {"bench", "-o", "suite columns"}};
+                  {"bench", "-o", "suite columns"},
+                  {"bench", "--force", "suite folders"}};
 
 /* ---- fixtures ---- */
 

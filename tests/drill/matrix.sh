@@ -68,14 +68,11 @@ for kernel in reference baseline avx2 avx512; do
     cell scene "kernel $kernel" "$(grep -v '^#' "$work/sweeps/kernel/states.tsv" | md5sum | cut -c 1-32)"
 done
 
-# The same scene, killed and resumed from its snapshots.
+# The same scene, stopped and continued by the same command.
 n=1
 snap=$work/sweeps/snap
-set -- run "$work/sweeps/row/scene.cfg" -o "$snap" --snapshot 200
-until timeout -s KILL 0.$((n % 8 + 1)) "$program" "$@" >/dev/null 2>&1 || [ $n -gt 200 ]; do
+until timeout -s TERM 0.$((n % 8 + 1)) "$program" run "$work/sweeps/row/scene.cfg" -o "$snap" >/dev/null 2>&1 || [ $n -gt 200 ]; do
     n=$((n + 1))
-    set -- run "$work/sweeps/row/scene.cfg" --resume "$snap"
-    [ -f "$snap/unfinished/snapshot" ] || set -- run "$work/sweeps/row/scene.cfg" -o "$snap" --snapshot 200
 done
 cell scene "snapshots, $n starts" "$(grep -v '^#' "$snap/states.tsv" | md5sum | cut -c 1-32)"
 

@@ -261,15 +261,16 @@ static rp_status advance(scene_run *r)
         const bool stage = r->exp && exp_stages(r->exp) > stages;
         show_progress(r);
         RP_TRY(status);
-        if (step == before && (!stop_asked || is_done(r))) continue; /* a phase began or ended */
+        const bool stops = stop_asked; /* a later signal waits for the next snapshot */
+        if (step == before && (!stops || is_done(r))) continue; /* a phase began or ended */
         growth_sample(&r->energy, r->sim);
         if (!r->exp) RP_TRY(cli_rest_look(r->of.call.arena, r->sim, &r->rest));
         if (!told) cli_tell_threads(r->sim, "run", r->o->j);
         told = true;
         if (is_done(r)) continue;
         if (step != before) RP_TRY(write_frame(r, stage, false));
-        RP_TRY(cli_result_keep(&r->result, stop_asked));
-        if (stop_asked) return stop(r);
+        RP_TRY(cli_result_keep(&r->result, stops));
+        if (stops) return stop(r);
     }
     return RP_OK;
 }
