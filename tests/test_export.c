@@ -131,9 +131,9 @@ static void test_empty_frames(void)
     SHELL("grep -o 'timestep=\"[^\"]*' a.pvd | tr -dc '0-9.\\n' | tr '\\n' ' ' >out; echo >>out");
     CU_ASSERT_STRING_EQUAL(out, "0 0.5 1 1.5 2 \n");
     SHELL("grep -q 'NumberOfPoints=\"0\"' a_frames/grains_000004.vtp");
-    GOOD("view o -o a.svg");
+    GOOD("view o -o a.svg --force");
     SHELL("grep -q 'step 200, .*0 grains' a.svg");
-    GOOD("view o -o a.svg --frame step=150");
+    GOOD("view o -o a.svg --force --frame step=150");
     SHELL("grep -q '1 grains\\|1 grain' a.svg");
     /* energies of more steps than states, with grains but at the last */
     write_text("o/energy.tsv", "step\tt\tgrains\n0\t0\t2\n50\t.5\t2\n100\t1\t2\n150\t1.5\t1\n200\t2\t0\n");
@@ -160,13 +160,13 @@ static void test_back(void)
     CU_ASSERT_STRING_EQUAL(out, "0 20 40 60 80 85 100 115 ");
     SHELL("grep -c '^115' back/states.tsv >out"); /* one frame, though a phase without steps follows */
     CU_ASSERT_STRING_EQUAL(out, "2\n");
-    GOOD("view back --frame b -o a.svg");
+    GOOD("view back --frame b -o a.svg --force");
     SHELL("grep -q 'step 85, t = 0.0017 s' a.svg");
-    GOOD("view back --frame c -o a.svg");
+    GOOD("view back --frame c -o a.svg --force");
     SHELL("grep -q 'step 115, t = 0.0014 s' a.svg");
     write_text("back_sweep.cfg", "experiment = \"back.cfg\"; replicas = 1;\n");
     GOOD("run back_sweep.cfg --row 0 -o row");
-    GOOD("view row --frame c -o a.svg");
+    GOOD("view row --frame c -o a.svg --force");
     SHELL("grep -q 'step 115, t = 0.0014 s' a.svg");
 }
 
@@ -494,7 +494,7 @@ static void spin_apart(const char *shape, double E, double apart[3])
                "  { x = 1.0; y = 0.5; r = 0.1; vx = 30.0; vy = 3.0; omega = 20.0; },\n"
                "  { x = 1.211; y = 0.53; r = 0.11; vx = -10.0; omega = 70.0; } );\n",
                shape, E);
-    GOOD("export spin.cfg --to lammps-input -o spin.in");
+    GOOD("export spin.cfg --to lammps-input -o spin.in --force");
     GOOD("run spin.cfg -o spin --force");
     SHELL("lmp -in spin.in >said && tail -n 3 spin.lammpstrj | awk '{ print $NF }' >out");
     double theirs[3];
@@ -654,12 +654,12 @@ static void export_law(const char *laws, const char *name, const char *lammps, c
     char text[4096];
     write_text("law.cfg", "dt = 1e-6; particles = ( { x = 0.0; y = 0.0; r = 0.1; } ); %s\n", laws);
     if (lammps) {
-        GOOD("export law.cfg --to lammps-input -o law.in");
+        GOOD("export law.cfg --to lammps-input -o law.in --force");
         slurp("law.in", text, sizeof text);
         CU_ASSERT_PTR_NOT_NULL(strstr(text, check_text("%s%s ", before, lammps)));
     } else {
         FAILS(65, check_text("law = \"%s\": LAMMPS has no such law", name),
-              "export law.cfg --to lammps-input -o law.in");
+              "export law.cfg --to lammps-input -o law.in --force");
     }
 }
 

@@ -40,7 +40,7 @@ static void view_svg(const char *words)
 {
     double width = 0.0;
     n_circles = n_strokes = 0;
-    GOOD("view -o a.svg %s", words);
+    GOOD("view -o a.svg --force %s", words);
     slurp("a.svg", svg, sizeof svg);
     CU_ASSERT(strncmp(svg, "<?xml", 5) == 0 && strstr(svg, "</svg>") != NULL);
     for (const char *tag = svg; (tag = strchr(tag, '<')); tag++) {
@@ -369,11 +369,11 @@ static void test_stress(void)
     }
     write_press(3.5, 3.5, 12.0);
     /* in a single cell, which is the last one too */
-    GOOD("view . -o a.svg --stress --cell 20");
+    GOOD("view . -o a.svg --force --stress --cell 20");
     key_is(0.045, 20.0);
     /* 12 N along a branch of 2.5 m that leans: 12 * 2.5/400, whatever its direction */
     write_press(2.5, 0.5, 12.0);
-    GOOD("view . -o a.svg --stress --cell 20");
+    GOOD("view . -o a.svg --force --stress --cell 20");
     key_is(0.075, 20.0);
 }
 
@@ -393,12 +393,12 @@ static void test_frames(void)
 {
     write_moving();
     CU_ASSERT(run("run s.cfg --every 50 -o d") == 0);
-    GOOD("view d -o a.gif --fps 20");
+    GOOD("view d -o a.gif --force --fps 20");
     SHELL("head -c 6 a.gif | grep -qx GIF89a");
     /* a graphic control extension a frame, with its delay in hundredths of a second */
     SHELL("LC_ALL=C grep -aob \"$(printf '\\041\\371\\004')\" a.gif | wc -l | grep -qx 3");
     SHELL("LC_ALL=C grep -aPq '\\x21\\xf9\\x04.\\x05\\x00' a.gif");
-    GOOD("view d -o a.gif --frame 1");
+    GOOD("view d -o a.gif --force --frame 1");
     SHELL("LC_ALL=C grep -aob \"$(printf '\\041\\371\\004')\" a.gif | wc -l | grep -qx 1");
     double top[3];
     static const char *const frames[] = {"0", "step=50", "last"};
@@ -413,7 +413,7 @@ static void test_frames(void)
     /* the end of a phase has a frame beside those of an interval, also of a text without a measure */
     SHELL("sed 's/steps = 100;/phases = ( { name = \"one\"; steps = 30; }, { name = \"two\"; steps = 70; } "
           ");/' s.cfg >p.cfg && $REPOSE run p.cfg --every 50 -o p >out 2>err");
-    GOOD("view p -o a.svg --frame one");
+    GOOD("view p -o a.svg --force --frame one");
     SHELL("grep -q 'step 30, ' a.svg");
 }
 
@@ -423,7 +423,7 @@ static void test_film(void)
     write_moving();
     CU_ASSERT(run("run s.cfg --every 50 -o d") == 0);
     if (shell("command -v ffmpeg >which") == 0) {
-        GOOD("view d -o a.mp4");
+        GOOD("view d -o a.mp4 --force");
         SHELL("head -c 8 a.mp4 | tail -c 4 | grep -q ftyp");
         SHELL("test \"$(ffprobe -v error -count_frames -show_entries stream=nb_read_frames -of csv=p=0 "
               "a.mp4)\" = 3");
@@ -445,7 +445,7 @@ static void tell_words(const char *words)
     write_text("gnuplot", "#!/bin/sh\nexec cat >told\n");
     write_text("ffmpeg", "#!/bin/sh\necho \"$@\" >film\nexec cat >>film\n");
     const int status =
-        shell_line("chmod +x gnuplot ffmpeg; PATH=.:$PATH \"$REPOSE\" view %s >out 2>err", words);
+        shell_line("chmod +x gnuplot ffmpeg; PATH=.:$PATH \"$REPOSE\" view --force %s >out 2>err", words);
     if (status) fprintf(stderr, "view %s: %s", words, err);
     CU_ASSERT_FATAL(status == 0);
     slurp("told", told, sizeof told);
@@ -833,12 +833,12 @@ static void test_stages(void)
 static void test_kinds(void)
 {
     write_pile();
-    GOOD("view states.tsv -o a.png");
+    GOOD("view states.tsv -o a.png --force");
     SHELL("head -c 8 a.png | od -An -tx1 | grep -q '89 50 4e 47 0d 0a 1a 0a'");
     SHELL("test $(grep -ao IEND a.png | wc -l) = 1");
     /* 18 cm at 80 pixels */
     SHELL("head -c 20 a.png | tail -c 4 | od -An -tx1 | grep -q '00 00 05 a0'");
-    GOOD("view . -o a.pdf --width 9");
+    GOOD("view . -o a.pdf --force --width 9");
     SHELL("head -c 5 a.pdf | grep -q ^%PDF-");
     GOOD("pile --base 5 --eps 1e-3 -o static");
     view_svg("static --base");
@@ -847,7 +847,7 @@ static void test_kinds(void)
     write_text("r.cfg", "protocol = \"repose\"; fixed = { W = 1.0; H = 1.0; fill_steps = 100; stop = "
                         "\"steps\"; relax_steps = 100; };\ngrid = { mu = [0.1]; };\n");
     CU_ASSERT(run("run r.cfg -o stages") <= 1);
-    GOOD("view stages -o a.gif"); /* the ends of phases */
+    GOOD("view stages -o a.gif --force"); /* the ends of phases */
     SHELL("LC_ALL=C grep -aob \"$(printf '\\041\\371\\004')\" a.gif | wc -l | grep -qx 5");
 }
 
@@ -860,7 +860,7 @@ static void test_hostile(void)
         write_text("g.tsv", "# units: s\t%s\t%s\t%s\t%s\nt\tx\ty\tr\t%s\n0.5\t0.25\t0.5\t0.125\t1\n",
                    texts[k], texts[k], texts[k], texts[k], texts[k]);
         write_text("name", "%s", texts[k]);
-        SHELL("\"$REPOSE\" view g.tsv -o p.svg --color \"$(cat name)\" >out 2>err && ! ls hit >>out 2>&1");
+        SHELL("\"$REPOSE\" view g.tsv -o p.svg --force --color \"$(cat name)\" >out 2>err && ! ls hit >>out 2>&1");
         SHELL("d=\"d$(cat name | tr / _)\"; mkdir -p \"$d\" && cp g.tsv \"$d/x_grains.tsv\" && \"$REPOSE\" "
               "view \"$d\" -o \"$d/p.svg\" >out 2>err && ls \"$d/p.svg\" >out && ! ls hit >>out 2>&1");
     }
