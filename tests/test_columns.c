@@ -450,8 +450,8 @@ static void test_bench_fill(void)
     enum { N = 30, STEPS = 2000 };
     const double width = 1.2;
     for (size_t k = check_fast(); k < sizeof list / sizeof *list; k += 1 + check_fast()) {
-        GOOD("bench --n %d --width %g --steps %d --repeat 1 --floor absorbs %s -o grains.tsv --force", N, width,
-             STEPS, list[k].options);
+        GOOD("bench --n %d --width %g --steps %d --repeat 1 --floor absorbs %s -o grains.tsv --force", N,
+             width, STEPS, list[k].options);
         scoped_table t = read_table("out"), start = read_table("grains.tsv");
         scoped_sim *sim = bench_sim(&list[k], N, width, &start);
         scoped dem_state *states = grains_states(sim);
@@ -547,7 +547,8 @@ static void test_bench_sample(void)
     static const int numbers[] = {120, 16};
     static const double widths[] = {2.6, 0.8};
     for (int k = check_fast(); k < 2; k++) {
-        GOOD("bench --n %d --width %g --repeat 2 --state sample -o grains.tsv --force", numbers[k], widths[k]);
+        GOOD("bench --n %d --width %g --repeat 2 --state sample -o grains.tsv --force", numbers[k],
+             widths[k]);
         scoped_table t = read_table("out"), end = read_table("grains.tsv");
         scoped_sim *sim = bench_sim(&box, numbers[k], widths[k], NULL);
         CHECK_OK(dem_run(sim, 30000));
