@@ -416,7 +416,7 @@ static void test_functions(void)
               {"exp", "exp(%.17g) + exp(-%.17g)"},
               {"log", "log(%.17g)"},
               {"held", "held(%.17g > 2, 1) ? 1 : 0"},
-              {"power", "%.17g^1.5 + %.17g^-0.75"},
+              {"power", "%.17g^1.5 + %.17g^-2"},
               {"known", NULL, "of a measure"},
               {"change", NULL, "of a sample and the one before"},
               {"dt_limit", NULL, "of a scene, whose limit the suite experiment compares"}};
