@@ -30,10 +30,10 @@ cell() {
 digest_of() { "$program" sweep digest "$1" | cut -f 1; }
 plan_of() { rm -rf "$2" && "$program" sweep plan "$work/sweeps/$1.cfg" -o "$2" >/dev/null; }
 
-# Killed again and again at other moments, until it is done.
+# Killed again and again at other moments, each eighth later by a second, until it is done.
 interrupted() {
     n=0
-    while ! timeout -s KILL 0.$((n % 7 + 1)) "$program" sweep run "$1" -j 2 >/dev/null 2>&1 && [ $n -lt 500 ]; do n=$((n + 1)); done
+    while ! timeout -s KILL $((n / 8)).$((n % 7 + 1)) "$program" sweep run "$1" -j 2 >/dev/null 2>&1 && [ $n -lt 500 ]; do n=$((n + 1)); done
 }
 
 echo "# protocol	cell	digest	verdict"
@@ -71,7 +71,7 @@ done
 # The same scene, stopped and continued by the same command.
 n=1
 snap=$work/sweeps/snap
-until timeout -s TERM 0.$((n % 8 + 1)) "$program" run "$work/sweeps/row/scene.cfg" -o "$snap" >/dev/null 2>&1 || [ $n -gt 200 ]; do
+until timeout -s TERM $((n / 8)).$((n % 8 + 1)) "$program" run "$work/sweeps/row/scene.cfg" -o "$snap" >/dev/null 2>&1 || [ $n -gt 200 ]; do
     n=$((n + 1))
 done
 cell scene "snapshots, $n starts" "$(grep -v '^#' "$snap/states.tsv" | md5sum | cut -c 1-32)"
