@@ -821,7 +821,7 @@ static void test_literal_names(void)
     CU_ASSERT(chdir(before) == 0);
 }
 
-/* A snapshot that a killed drive left goes once all runs are stored; no other does: those are known by their names. */
+/* A snapshot that a killed drive left goes once all runs are stored; others, known by their names, do not. */
 static void test_left_snapshots(void)
 {
     static const char key[] = "0123456789abcdef0123456789abcdef";
