@@ -3,8 +3,13 @@
 
 #include <dlfcn.h>
 #include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <stdio.h>
+#include <string.h>
+#include <sys/mman.h>
 #include <sys/types.h>
 #include <sys/vfs.h>
 #include <unistd.h>
@@ -16,6 +21,51 @@ static bool all_fail, failing;
 time_t fault_wall_clock, fault_monotonic_clock;
 void (*fault_watch)(const char *call, int file, const char *from, const char *to);
 bool fault_shared_file_system;
+double fault_tick, fault_monotonic_tick;
+
+/* Of fault_signal, shared with the processes that are forked. */
+static struct {
+    int signal;
+    const char *part;
+    long left;
+    pid_t process;
+} * due;
+
+/* The process has taken in its signals, and sleeps again. */
+static bool has_seen(pid_t process)
+{
+    char path[64], line[128], state = '?';
+    unsigned long pending = 0, some;
+    snprintf(path, sizeof path, "/proc/%d/status", (int)process);
+    FILE *in = fopen(path, "r");
+    while (in && fgets(line, sizeof line, in)) {
+        sscanf(line, "State: %c", &state);
+        if (sscanf(line, "SigPnd: %lx", &some) == 1 || sscanf(line, "ShdPnd: %lx", &some) == 1)
+            pending |= some;
+    }
+    if (in) fclose(in);
+    return !in || (state == 'S' && pending == 0);
+}
+
+static void send_when_due(const char *call, int file, const char *from, const char *to)
+{
+    char path[PATH_MAX] = "", link[64];
+    snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+    if (file >= 0) path[readlink(link, path, sizeof path - 1) < 0 ? 0 : sizeof path - 1] = '\0';
+    const bool meant = strstr(call, due->part) || strstr(path, due->part) ||
+                       (from && strstr(from, due->part)) || (to && strstr(to, due->part));
+    if (!meant || __atomic_sub_fetch(&due->left, 1, __ATOMIC_RELAXED) != 0) return;
+    kill(due->process, due->signal);
+    while (due->process != getpid() && !has_seen(due->process)) usleep(1000);
+}
+
+void fault_signal(int signal, const char *part, long n)
+{
+    due = mmap(NULL, sizeof *due, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (due == MAP_FAILED) abort();
+    due->signal = signal, due->part = part, due->left = n, due->process = getpid();
+    fault_watch = send_when_due;
+}
 
 void fault_order(fault kind, long call, bool for_good)
 {
@@ -99,11 +149,25 @@ WATCHED(rename, (const char *path, const char *to), (path, to), to)
 WATCHED(unlink, (const char *path), (path), NULL)
 WATCHED(rmdir, (const char *path), (path), NULL)
 
+static struct timespec time_of(double seconds)
+{
+    return (struct timespec){(time_t)seconds, (long)(1e9 * (seconds - floor(seconds)))};
+}
+
 int clock_gettime(clockid_t clock, struct timespec *t)
 {
     static int (*real)(clockid_t, struct timespec *);
     if (!real) *(void **)&real = dlsym(RTLD_NEXT, "clock_gettime");
     const int result = real(clock, t);
+    if (clock == CLOCK_PROCESS_CPUTIME_ID && fault_tick > 0.0) {
+        static double now;
+        *t = time_of(now += fault_tick);
+        if (fault_watch) fault_watch("clock", -1, NULL, NULL);
+    }
+    if (clock == CLOCK_MONOTONIC && fault_monotonic_tick > 0.0) {
+        static double now;
+        *t = time_of(now += fault_monotonic_tick);
+    }
     if (clock == CLOCK_REALTIME) t->tv_sec += fault_wall_clock;
     if (clock == CLOCK_MONOTONIC) t->tv_sec += fault_monotonic_clock;
     return result;

@@ -17,8 +17,18 @@ bool fault_possible(fault kind);
 /* By which the clocks are wrong, s. */
 extern time_t fault_wall_clock, fault_monotonic_clock;
 
-/* Called before each fsync (of a file), rename (from, to), unlink and rmdir (from). */
+/* Unless 0: the processor time of this process, or monotonic time, s, is so much later at each look at it,
+ * and nothing else moves it. */
+extern double fault_tick, fault_monotonic_tick;
+
+/* Called before each fsync (of a file), rename (from, to), unlink and rmdir (from); with a tick of the clock
+ * also before each look at it ("clock"). */
 extern void (*fault_watch)(const char *call, int file, const char *from, const char *to);
+
+/* From now on fault_watch sends a signal to this process before the n-th of the calls, of it or of a process
+ * that it forks, that have `part` in the name of the call, the path of the file or its new one. Such
+ * a process goes on when the signal has been seen. */
+void fault_signal(int signal, const char *part, long n);
 
 /* Every file system is said to be one of several machines (NFS). */
 extern bool fault_shared_file_system;

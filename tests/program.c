@@ -1,10 +1,13 @@
 /* The program from the shell; see program.h. */
 #include "tests/program.h"
 
+#include <fcntl.h>
 #include <limits.h>
 #include <stdarg.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "tests/faults.h"
 
 static char folder[FOLDER_PATH], program[PATH_MAX], beside[PATH_MAX];
 static const char *last; /* name of the program that ran last */
@@ -94,6 +97,38 @@ int run_forked(const char *words, void (*begin)(void))
     }
     CU_ASSERT_FATAL(waitpid(child, &end, 0) == child);
     return WIFEXITED(end) ? WEXITSTATUS(end) : 128 + WTERMSIG(end);
+}
+
+int run_begun(const char *words, void (*begin)(void))
+{
+    const int before = open(".", O_PATH | O_DIRECTORY);
+    CU_ASSERT_FATAL(before >= 0 && chdir(folder) == 0);
+    const int end = run_forked(words, begin);
+    CU_ASSERT_FATAL(fchdir(before) == 0);
+    close(before);
+    last = "repose";
+    slurp("out", out, sizeof out);
+    slurp("err", err, sizeof err);
+    return end;
+}
+
+/* Of run_signalled. */
+static struct {
+    int signal;
+    const char *part;
+    long n;
+} ordered;
+
+static void order_signal(void)
+{
+    fault_tick = 1.0;
+    fault_signal(ordered.signal, ordered.part, ordered.n);
+}
+
+int run_signalled(int signal, const char *part, long n, const char *words)
+{
+    ordered.signal = signal, ordered.part = part, ordered.n = n;
+    return run_begun(words, order_signal);
 }
 
 /* The line that ends a run. */

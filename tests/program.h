@@ -42,6 +42,11 @@ int run_program(const char *name, const char *begin, const char *words);
  * one, in its folder, and that begins with `begin`. Its output is in the files `out` and `err` there. */
 int run_forked(const char *words, void (*begin)(void));
 
+/* The same in the folder of the test; and with a signal to it, as of fault_signal, while its processor time
+ * moves by a second at each look. */
+int run_begun(const char *words, void (*begin)(void));
+int run_signalled(int signal, const char *part, long n, const char *words);
+
 /* A successful run leaves standard error empty but for the line that ends `repose run`: no
  * other message, and no progress without a terminal. */
 bool good(const char *file, int line, int status);

@@ -389,6 +389,45 @@ static void test_back(void)
     CU_ASSERT(measured(&t, "steps") > 3000.0 + measured(&t, "y0"));
 }
 
+/* Going back takes the walls' loads back too: where a load was given or ended, and the velocity it had. */
+static void test_back_to_loads(void)
+{
+    static const char text[] =
+        "dt = 1.0e-4; gravity = (0.0, 0.0);\n"
+        "walls = ( { name = `lid`; point = (0.0, 5.0); direction = (0.0, -1.0); }, { name = `side`; point = "
+        "(-5.0, 0.0); direction = (1.0, 0.0); } );\n"
+        "particles = ( { x = 0.0; y = 1.0; r = 0.1; m = 0.01; } );\n"
+        "phases = ( { name = `free`; steps = 10; },\n"
+        "  { name = `press`; walls = { lid = { load_y = -1.0; speed = 30.0; }; }; steps = 40; },\n"
+        "  { name = `pull`; walls = { lid = { load_y = 3.0; speed = 30.0; }; side = { load_x = 1.0; speed = "
+        "30.0; }; }; steps = 40; },\n"
+        "  { name = `ended`; walls = { lid = { load_y = `none`; }; side = { load_x = `none`; }; }; steps = "
+        "40; },\n"
+        "  { name = `again`; from = `press`; steps = 40; },\n"
+        "  { name = `whole`; from = `pull`; steps = 40; },\n"
+        "  { name = `off`; from = `ended`; steps = 40; },\n"
+        "  { name = `none`; from = `free`; steps = 40; } );\n"
+        "measure = ( %s );\n";
+    static const char *const phases[] = {"free", "press", "pull", "ended", "again", "whole", "off", "none"};
+    scoped char *measures = strdup("");
+    for (size_t k = 0; k < sizeof phases / sizeof *phases; k++) {
+        scoped char *before = measures;
+        measures =
+            strdup(check_text("%s%s{ name = `y_%s`; of = `lid.vy`; at = `%s`; }, { name = `x_%s`; of = "
+                              "`side.vx`; at = `%s`; }",
+                              before, k ? ", " : "", phases[k], phases[k], phases[k], phases[k]));
+    }
+    RUN_TRIAL(t, check_text(text, measures), 1000, "ok");
+    /* a load accelerates a wall by itself over ten masses: a lid that is pressed over 80 steps has twice what
+     * it has after 40 */
+    const double press = measured(&t, "y_press"), pull = measured(&t, "y_pull"),
+                 side = measured(&t, "x_pull");
+    CU_ASSERT(press < 0.0 && pull > press && side > 0.0);
+    CHECK_EACH(measured(&t, NAME), 1e-9, {"y_free", 0.0}, {"y_again", 2.0 * press}, {"x_again", 0.0},
+               {"y_whole", 2.0 * pull - press}, {"x_whole", 2.0 * side}, {"y_off", measured(&t, "y_ended")},
+               {"x_off", measured(&t, "x_ended")}, {"y_none", 0.0}, {"x_none", 0.0});
+}
+
 /* ---- cuts, snapshots, keys ---- */
 
 static const char *const texts[] = {lid, incline, rain, back};
@@ -624,5 +663,5 @@ static void test_longer(void)
 
 CHECK_SUITE_WITHIN(actions, "actions", enter, leave, test_oscillator, test_column, test_first,
                    test_laws_change, test_halt, test_halt_in_contact, test_friction_changes, test_added,
-                   test_touch, test_added_radii, test_base_order, test_fabric, test_back, test_cuts,
-                   test_keys, test_refused, test_ends, test_kept, test_longer, test_profile)
+                   test_touch, test_added_radii, test_base_order, test_fabric, test_back, test_back_to_loads,
+                   test_cuts, test_keys, test_refused, test_ends, test_kept, test_longer, test_profile)

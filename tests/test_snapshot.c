@@ -320,14 +320,14 @@ static void impossible_states(void)
         s.at = 0, s.status = RP_OK;
         dem_keep(&s, &copy);
         rp_status status = rp_snapshot_end(&s);
-        CU_ASSERT(!status || status == RP_BAD_INPUT || status == RP_NO_MEMORY);
-        CU_ASSERT((copy == NULL) == (status != RP_OK));
+        CU_ASSERT((status == RP_OK && copy) || (status == RP_BAD_INPUT && !copy));
+        CHECK_OR_SAY(!status || strncmp(rp_message(), "memory: ", 8) == 0, "byte %zu: %s", k, rp_message());
         refusals += status != RP_OK;
         if (copy) dem_run(copy, 3); /* to any end */
         dem_free(copy);
         s.bytes[k] = before;
     }
-    CU_ASSERT(refusals > 5);
+    CHECK_OR_SAY(refusals > 5, "%zu refusals", refusals);
     s.n -= 5, s.at = 0, s.status = RP_OK;
     dem_keep(&s, &copy);
     CU_ASSERT(s.status == RP_BAD_INPUT && !copy);
@@ -387,22 +387,23 @@ static bool equal_files(void)
     return shell("diff -r d whole >diff || { head -c 1500 diff >&2; false; }") == 0;
 }
 
+/* Stopped or killed before ever later calls that change a file, and resumed: the same tables. */
 static void killed_runs(void)
 {
+    static const int signals[] = {SIGTERM, SIGKILL}, ends[] = {75, 128 + SIGKILL};
     write_scene();
     run_whole("100");
-    for (int k = 0; k < 4; k++) {
-        /* each attempt may take longer, so that some attempt ends */
-        int status = shell("rm -rf d"), attempts = 0;
-        for (int ms = check_fast() ? 300 : 15 + 7 * k; status != 0 || attempts == 0; ms = ms * 6 / 5) {
-            status = shell_line(
-                "go='run --resume d'; " /* removed here: a killed shell leaves its children behind */
-                "test -e d/unfinished/snapshot || grep -q '^+' d/.repose || { rm -rf d; go='run s.cfg "
-                "--every 70 -o d --dump xyz --snapshot 100'; }; timeout -s %s %d.%03d \"$REPOSE\" $go 2>err",
-                k % 2 ? "KILL" : "TERM", ms / 1000, ms % 1000);
-            if (++attempts == 40) break;
+    for (int k = 0; k < 2; k++) {
+        int status = -1, stops = 0;
+        SHELL("rm -rf d");
+        for (long n = 1; status != 0 && n < 100; n += 2) {
+            const bool begun = shell("test -e d/unfinished/snapshot || grep -qs '^+' d/.repose") == 0;
+            if (!begun) SHELL("rm -rf d");
+            status = run_signalled(signals[k], "", n, begun ? "run --resume d" : RUN "100");
+            CU_ASSERT(status == 0 || status == ends[k]);
+            stops += status != 0;
         }
-        CU_ASSERT(status == 0 && equal_files());
+        CU_ASSERT(status == 0 && stops > 5 && equal_files());
     }
 }
 
@@ -423,6 +424,22 @@ static void stopped_runs(void)
     SHELL("mv d resumed && cp -r whole d && " START "300 --set steps=1400 --force && diff -r d resumed");
 }
 
+/* Done at the first snapshot of a run. */
+static const char *to_do;
+
+static void change_table(const char *call, int file, const char *from, const char *to)
+{
+    (void)call, (void)file, (void)from;
+    if (!to || !strstr(to, "snapshot") || !to_do) return;
+    CU_ASSERT(system(to_do) == 0);
+    to_do = NULL;
+}
+
+static void watch_tables(void)
+{
+    fault_watch = change_table;
+}
+
 /* Tables that another program takes or changes on the way are no result. */
 static void changed_tables(void)
 {
@@ -430,11 +447,9 @@ static void changed_tables(void)
                                        "sed -i s/model/nodel/ d/unfinished/walls.tsv"};
     write_scene();
     for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
-        const int end =
-            shell_line("rm -rf d; \"$REPOSE\" run s.cfg --every 70 --snapshot 1000 --set steps=30000 -o d "
-                       "2>err & until test -s d/unfinished/snapshot; do sleep 0.01; done; %s; wait $!",
-                       list[k]);
-        CU_ASSERT(end == 74);
+        SHELL("rm -rf d");
+        to_do = list[k];
+        CU_ASSERT(run_begun("run s.cfg --every 70 --snapshot 1000 -o d", watch_tables) == 74);
         CHECK_PARTS(err, strrchr(list[k], '/') + 1);
         CU_ASSERT(shell("ls d/*.tsv 2>ls") != 0);
     }
@@ -497,24 +512,21 @@ static void no_snapshot(void)
     sweep_keep_end(&keep, true);
 }
 
-/* Run the protocol in processes that are killed after so much processor time, each from the snapshot of the
- * last one; how many it took. */
-static int run_killed(const sweep_protocol *protocol, const void *params, double seconds,
-                      sweep_result *result)
+/* Run the protocol in processes that are killed before they write a snapshot, each at a later one, from the
+ * snapshot of the last one; how many it took. A snapshot is due after so many looks at the clock. */
+static int run_killed(const sweep_protocol *protocol, const void *params, double looks, sweep_result *result)
 {
-    enum { MOST = 400 };
+    enum { MOST = 100 };
     const char *path = path_of("snapshot");
     sweep_result *shared =
         mmap(NULL, sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     int status = -1, runs = 0;
     while (status != 0 && runs++ < MOST) {
-        /* each process has a little more time, so that it comes farther */
-        const long micro = (long)(1e6 * seconds * (1.0 + 0.05 * runs));
         const pid_t child = fork();
         if (child == 0) {
             char why[256];
-            sweep_keep keep = {.path = path, .key = "test", .interval = 0.1 * seconds};
-            setitimer(ITIMER_PROF, &(struct itimerval){.it_value = {micro / 1000000, micro % 1000000}}, NULL);
+            sweep_keep keep = {.path = path, .key = "test", .interval = looks};
+            fault_signal(SIGKILL, "rename", 1 + runs);
             sweep_keep_begin(&keep, why, sizeof why);
             rp_status ended =
                 *why ? RP_BROKEN : protocol->run(params, 7, 1, &(sweep_tables){.keep = &keep}, shared);
@@ -525,7 +537,7 @@ static int run_killed(const sweep_protocol *protocol, const void *params, double
         int end;
         CU_ASSERT_FATAL(waitpid(child, &end, 0) == child);
         status = WIFEXITED(end) ? WEXITSTATUS(end) : -1;
-        CU_ASSERT(status == 0 || (WIFSIGNALED(end) && WTERMSIG(end) == SIGPROF));
+        CU_ASSERT(status == 0 || (WIFSIGNALED(end) && WTERMSIG(end) == SIGKILL));
         if (status > 0) break;
     }
     CU_ASSERT(status == 0);
@@ -552,12 +564,16 @@ static void goes_on(const sweep_protocol *protocol, const char *settings, const 
 {
     scoped void *params = PROTOCOL_PARAMS(protocol, settings);
     sweep_result whole, parts;
-    const clock_t begin = clock();
-    CHECK_OK(protocol->run(params, 7, 1, NULL, &whole));
-    /* a tenth of what the whole run took on this machine, just now */
-    const double seconds = (double)(clock() - begin) / CLOCKS_PER_SEC / 10.0;
+    sweep_keep never = {.path = path_of("never"), .key = "test", .interval = INFINITY};
+    sweep_keep_begin(&never, (char[32]){""}, 32);
+    fault_tick = 1.0; /* time is the number of looks at the clock */
+    const double begin = rp_cpu_clock();
+    CHECK_OK(protocol->run(params, 7, 1, &(sweep_tables){.keep = &never}, &whole));
+    const double looks = rp_cpu_clock() - begin;
+    sweep_keep_end(&never, true);
     stop_at_once(protocol, params);
-    CU_ASSERT(run_killed(protocol, params, seconds, &parts) > 2);
+    CU_ASSERT(run_killed(protocol, params, fmax(looks / 20.0, 1.0), &parts) > 3);
+    fault_tick = 0.0;
     CU_ASSERT_STRING_EQUAL(whole.status, word);
     CU_ASSERT_STRING_EQUAL(whole.status, parts.status);
     CU_ASSERT_STRING_EQUAL(whole.message, parts.message);
@@ -615,14 +631,6 @@ static void check_driven(void)
     SHELL("! test -e d/snapshots");
 }
 
-/* Seconds that the command takes; it must succeed. */
-static double time_of(const char *line)
-{
-    const double begin = rp_clock();
-    SHELL(line);
-    return rp_clock() - begin;
-}
-
 /* Of fault_watch: what is done with the files of a folder, f: a file synced, r: renamed, d: folder synced. */
 static char done[16];
 
@@ -671,7 +679,8 @@ static bool drive_until_snapshot(int n)
         setpgid(0, 0);
         fatal_snapshot = n;
         fault_watch = kill_at_snapshot;
-        _exit((int)sweep_run(path_of("d"), sweep_protocols, &(sweep_options){.workers = 2, .snapshot = 0.002},
+        fault_tick = 1.0; /* a snapshot is due after 5 looks at the clock */
+        _exit((int)sweep_run(path_of("d"), sweep_protocols, &(sweep_options){.workers = 2, .snapshot = 5.0},
                              &(sweep_counts){0}));
     }
     int end = 0;
@@ -692,34 +701,30 @@ static void sweep_rows(void)
         SHELL("ls d/snapshots/???????????????????????????????? >kept");
         if (++kills == 2) shell("for f in d/snapshots/*; do truncate -s 999 $f; done");
     }
-    CU_ASSERT(kills > 2);
+    CHECK_OR_SAY(kills > 2, "%d kills", kills);
     check_driven();
 }
 
-/* Stop the command again and again until it is done, first after a tenth of the seconds that it took alone.
- * Its last status; *kept: how often `left` was there after a stop. */
-static int stop_until_done(const char *arguments, double seconds, const char *left, int *kept)
+/* Stop the command again and again until it is done, each time after more looks at the clock. *kept: how
+ * often `left` was there after a stop. */
+static void stop_until_done(const char *words, const char *left, int *kept)
 {
     const char *seen = check_text("ls %s >kept 2>&1", left);
     int status = 75;
-    for (double wait = seconds / 10.0; status != 0 && wait < 60.0; wait *= 1.25) {
-        status =
-            shell_line("\"$REPOSE\" %s 2>err & sleep %.3f; kill -TERM $! 2>/dev/null; wait $! 2>/dev/null",
-                       arguments, wait); /* 75, or 143 if the signal came before the first run */
+    for (long n = 5; status == 75 && n < 1000000; n += n) {
+        status = run_signalled(SIGTERM, "clock", n, words);
         *kept += shell(seen) == 0;
     }
-    return status;
+    CHECK_OR_SAY(status == 0 && *kept > 2, "status %d, %d kept", status, *kept);
 }
 
 /* A sweep that is told to stop keeps its long runs, though no snapshot is due. */
 static void stopped_sweep(void)
 {
-    plan_twice(1);
-    const double seconds = time_of("\"$REPOSE\" sweep run whole >counts");
     int kept = 0;
-    CU_ASSERT(stop_until_done("sweep run d -j 2 >counts", seconds,
-                              "d/snapshots/????????????????????????????????", &kept) == 0);
-    CU_ASSERT(kept > 0);
+    plan_twice(1);
+    SHELL("\"$REPOSE\" sweep run whole >counts");
+    stop_until_done("sweep run d -j 2 --snapshot 1e9", "d/snapshots/????????????????????????????????", &kept);
     check_driven();
 }
 
@@ -730,15 +735,12 @@ static void stopped_row(void)
         "protocol = \"repose\"; fixed = { W = 1.6; H = 1.6; theta_t = true; tilt_rate_deg = 0.01; };",
         "protocol = \"drop\"; fixed = { N = 90; radius_width = 0.03; rest_force = 0.1; };"};
     for (int k = check_fast(); k < 2; k++) {
-        file_write(path_of("r.cfg"), files[k], strlen(files[k]));
-        SHELL("rm -rf d whole");
-        const double seconds = time_of("\"$REPOSE\" run r.cfg --row 1 -o d >row");
-        SHELL("mv d whole");
         int kept = 0;
-        CU_ASSERT(stop_until_done("run r.cfg --row 1 -o d >again", seconds, "d/unfinished/snapshot", &kept) ==
-                  0);
-        CU_ASSERT(kept > 0 && equal_files());
-        SHELL("for t in row again; do grep -v run_time $t >$t.rest; done; cmp row.rest again.rest");
+        file_write(path_of("r.cfg"), files[k], strlen(files[k]));
+        SHELL("rm -rf d whole; \"$REPOSE\" run r.cfg --row 1 -o d >row && mv d whole");
+        stop_until_done("run r.cfg --row 1 -o d", "d/unfinished/snapshot", &kept);
+        CU_ASSERT(equal_files());
+        SHELL("for t in row out; do grep -v run_time $t >$t.rest; done; cmp row.rest out.rest");
     }
 }
 

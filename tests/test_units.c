@@ -1,12 +1,15 @@
-/* A scene in other units is the same scene. Units that are powers of 2 change no digit, so that runs agree to
- * the bit; a number that stands in the code without a unit shows. Hertz' law takes the fourth root of a
- * length, and so exponents of lengths are multiples of 4, all others even. */
+/* Labels of units have the powers that they say. A scene in other units is the same scene. Units that are
+ * powers of 2 change no digit, so that runs agree to the bit; a number that stands in the code without a unit
+ * shows. Hertz' law takes the fourth root of a length, and so exponents of lengths are multiples of 4, all
+ * others even. */
 #include <pthread.h>
 
 #include "dem/setup/definition.h"
 #include "dem/state/state.h"
 #include "params/units.h"
+#include "table/table.h"
 #include "tests/grains.h"
+#include "tests/labels.h"
 
 typedef struct {
     int length, mass, time;
@@ -133,6 +136,46 @@ static bool same_work(units u, const dem_sim *one, const dem_sim *other)
            a.iterations == b.iterations;
 }
 
+/* The rows of a table of a simulation, below their header. Free with rp_table_free. */
+static rp_table rows_of(dem_table kind, const dem_sim *sim)
+{
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    rp_table t = {0};
+    dem_write_columns(kind, sim->def.ledger, out);
+    CHECK_OK(dem_write_rows(kind, sim, dem_step(sim), out));
+    fclose(out);
+    CHECK_OK(rp_table_parse("rows", text, &t));
+    return t;
+}
+
+/* Each column changes with the units as its label says. */
+static bool same_tables(units u, const dem_sim *one, const dem_sim *other)
+{
+    bool same = true;
+    for (dem_table kind = DEM_TABLE_STATES; kind <= DEM_TABLE_WALLS; kind++) {
+        RP_ENDS(rp_table_free) rp_table a = rows_of(kind, one);
+        RP_ENDS(rp_table_free) rp_table b = rows_of(kind, other);
+        CU_ASSERT_FATAL(a.n_rows == b.n_rows && a.n_columns == b.n_columns);
+        const char *labels = rp_table_find_note(&a, "units");
+        char label[128];
+        for (size_t c = 0; c < a.n_columns; c++) {
+            double p[3] = {0.0, 0.0, 0.0};
+            CU_ASSERT(check_word(&labels, "\t", label) && label_powers(label, false, p));
+            for (size_t row = 0; row < a.n_rows; row++) {
+                const double v = strtod(rp_cell(&a, row, (int)c), NULL),
+                             w = strtod(rp_cell(&b, row, (int)c), NULL);
+                const bool equal = to(u, v, p[0], p[1], p[2]) == w;
+                if (!equal && same)
+                    fprintf(stderr, "units: %s [%s] = %g, in other units %g\n", a.names[c], label, v, w);
+                same &= equal;
+            }
+        }
+    }
+    return same;
+}
+
 /* The scene in two other units, of smaller and larger numbers, by other kernels; a grain comes on the way. */
 static void check(const dem_definition *def, size_t chunk, long steps, const dem_grain *extra)
 {
@@ -165,6 +208,7 @@ static void check(const dem_definition *def, size_t chunk, long steps, const dem
             CHECK_OK(dem_run(other[k], steps));
             CU_ASSERT(same_states(u, sim, other[k]) && same_contacts(u, sim, other[k]));
             CU_ASSERT(same_energies(u, sim, other[k]) && same_work(u, sim, other[k]));
+            CU_ASSERT(same_tables(u, sim, other[k]));
         }
     }
     CU_ASSERT(touched);
@@ -261,6 +305,30 @@ static void *set_si(void *unit)
     return NULL;
 }
 
+/* The three labels of a unit have the same powers of length, mass and time, and numbers change by these. */
+static void labels(void)
+{
+    const double d = 0.2, g = 981.0,
+                 one[][3] = {
+                     [RP_SI] = {100.0, 1000.0, 1.0}, [RP_SIGMA] = {d, M_PI / 6.0 * d * d * d, sqrt(d / g)}};
+    for (size_t k = 0; rp_unit_label(k); k++) {
+        const char *cgs = rp_unit_label(k);
+        double p[3], q[3];
+        CHECK_OR_SAY(label_powers(cgs, false, p), "unit %s: a word that is no unit", cgs);
+        for (rp_units system = RP_SI; system <= RP_SIGMA; system++) {
+            rp_units_set(system);
+            CHECK_OR_SAY(label_powers(rp_unit(cgs), system == RP_SIGMA, q) && memcmp(p, q, sizeof p) == 0,
+                         "unit %s: in other units %s", cgs, rp_unit(cgs));
+            double factor = 1.0;
+            for (int i = 0; i < 3; i++) factor *= pow(one[system][i], p[i]);
+            CHECK_OR_SAY(fabs(rp_units_value(cgs, 2.385) * factor / 2.385 - 1.0) < 1e-11,
+                         "unit %s: 2.385 is %g %s", cgs, rp_units_value(cgs, 2.385),
+                         rp_unit(cgs)); /* 12 digits */
+        }
+        rp_units_set(RP_CGS);
+    }
+}
+
 /* A thread that reads a scene in other units leaves those of the others. */
 static void in_threads(void)
 {
@@ -270,4 +338,4 @@ static void in_threads(void)
     CU_ASSERT(strcmp(unit, "m") == 0 && strcmp(rp_unit("cm"), "cm") == 0);
 }
 
-CHECK_SUITE(units, "units", soft, hard, gear_and_ground, implicit, in_threads)
+CHECK_SUITE(units, "units", labels, soft, hard, gear_and_ground, implicit, in_threads)

@@ -146,7 +146,7 @@ static rp_status check_choices(const dem_definition *def)
                    {"kernel", def->kernel, DEM_KERNELS},
                    {"slip", def->slip, DEM_SLIPS(DEM_ONE)},
                    {"damping", def->damping, DEM_DAMPINGS(DEM_ONE)},
-                   {"rolling", def->rolling, DEM_ROLLINGS(DEM_ONE)},
+                   {"rolling", def->rolling, DEM_ROLLING_N},
                    {"rolling_arm", def->rolling_arm, DEM_ARMS(DEM_ONE)},
                    {"shape", def->shape, DEM_SHAPES(DEM_ONE)},
                    {"solver", def->implicit.solver, DEM_SOLVERS(DEM_ONE)},

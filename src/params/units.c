@@ -69,6 +69,11 @@ const char *rp_unit(const char *cgs)
     return i < N_UNITS ? units[i].label[now] : cgs;
 }
 
+const char *rp_unit_label(size_t k)
+{
+    return k < N_UNITS ? units[k].label[RP_CGS] : NULL;
+}
+
 /* Has a label a unit that the system lacks? m, g, t, h and d are left alone: mass, gravity, height. */
 static bool is_foreign(const char *label)
 {

@@ -4,6 +4,8 @@
 #ifndef RP_UNITS_H
 #define RP_UNITS_H
 
+#include <stddef.h>
+
 #include "core/status.h"
 
 RP_C_BEGIN
@@ -23,6 +25,9 @@ rp_units rp_units_find(const char *word);
 /* Label, in the system that holds, of a quantity with this label in cgs. Other labels are returned as they
  * are. */
 const char *rp_unit(const char *cgs);
+
+/* Label number k in cgs of those that are converted; NULL past the end. */
+const char *rp_unit_label(size_t k);
 
 /* RP_BAD_INPUT for a label with a unit of another system, or with a multiple (mm), which is not converted. */
 rp_status rp_unit_check(const char *label);

@@ -85,6 +85,7 @@ typedef enum { DEM_ARMS(DEM_ID) } dem_arm;
 typedef enum { DEM_SLIPS(DEM_ID) } dem_slip;
 typedef enum { DEM_DAMPINGS(DEM_ID) } dem_damping;
 enum { DEM_NORMAL_N = DEM_NORMAL_LAWS(DEM_ONE), DEM_TANGENTIAL_N = DEM_TANGENTIAL_LAWS(DEM_ONE) };
+enum { DEM_ROLLING_N = DEM_ROLLINGS(DEM_ONE) };
 
 #define DEM_LAW_FRICTION(id, word, manual, friction, ...)       | (unsigned)friction << id
 #define DEM_LAW_SPRING(id, word, manual, friction, spring, ...) | (unsigned)spring << id
