@@ -358,16 +358,14 @@ typedef struct {
     double at[3], along[3][3];
 } valley;
 
-static double depth_in(unsigned n, const double x[], double gradient[], void *data)
+static double depth_in(const double x[], void *data)
 {
     static const double width[] = {0.001, 0.01, 0.1};
     const valley *v = data;
     double sum = 0.0;
-    (void)gradient;
     for (int k = 0; k < 3; k++) {
         double d = 0.0;
-        for (unsigned i = 0; i < n; i++)
-            d += v->along[k][i] * (x[i] - v->at[i]) * (1.0 + 0.3 * (x[i] + v->at[i]));
+        for (int i = 0; i < 3; i++) d += v->along[k][i] * (x[i] - v->at[i]) * (1.0 + 0.3 * (x[i] + v->at[i]));
         sum += d * d / (width[k] * width[k]);
     }
     return sum;
@@ -383,17 +381,17 @@ static void test_valleys(void)
         for (int i = 0; i < 3; i++) v.at[i] = 0.1 + 0.8 * gsl_rng_uniform(rng);
         for (int i = 0; i < 9; i++) v.along[i / 3][i % 3] = gsl_ran_gaussian(rng, 1.0);
         for (int i = 0; i < 3; i++) v.along[1][i] = v.along[0][i] + 0.3 * v.along[1][i];
-        CHECK_OK(stats_least(&(stats_minimum){depth_in, &v, 3, lo, hi, 8, c % 2, NULL}, x, &value));
+        CHECK_OK(stats_least(&(stats_minimum){depth_in, &v, 3, lo, hi, 8, NULL}, x, &value));
         CHECK_NEAR(value, 0.0, 1e-6);
     }
     double x[3], value;
-    CHECK_FAILS(stats_least(&(stats_minimum){depth_in, NULL, 1, lo, hi, 0, false, NULL}, x, &value),
-                RP_BAD_INPUT, "1 dimensions, 0 cells");
-    CHECK_FAILS(stats_least(&(stats_minimum){depth_in, NULL, 4, lo, hi, 8, false, NULL}, x, &value),
-                RP_BAD_INPUT, "4 dimensions");
+    CHECK_FAILS(stats_least(&(stats_minimum){depth_in, NULL, 1, lo, hi, 0, NULL}, x, &value), RP_BAD_INPUT,
+                "1 dimensions, 0 cells");
+    CHECK_FAILS(stats_least(&(stats_minimum){depth_in, NULL, 4, lo, hi, 8, NULL}, x, &value), RP_BAD_INPUT,
+                "4 dimensions");
     const double none[] = {-INFINITY};
-    CHECK_FAILS(stats_least(&(stats_minimum){depth_in, NULL, 1, none, hi, 8, false, NULL}, x, &value),
-                RP_BAD_INPUT, "side 1: [-inf, 1]");
+    CHECK_FAILS(stats_least(&(stats_minimum){depth_in, NULL, 1, none, hi, 8, NULL}, x, &value), RP_BAD_INPUT,
+                "side 1: [-inf, 1]");
 }
 
 CHECK_SUITE(identify, "identify", test_valleys, test_one, test_two, test_three, test_arch, test_degenerate,

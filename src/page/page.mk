@@ -4,8 +4,7 @@ PAGE     := $(B)/page
 PAGE_CC  := clang --target=wasm32-wasi --sysroot=/usr -ffp-contract=off -D_GNU_SOURCE -I$(PAGE)/include
 PAGE_C   := -std=c11 -O3 -fno-math-errno -Wall -Wextra -Wno-missing-field-initializers -DXXH_INLINE_ALL= -Isrc/page/posix -Isrc -I. \
             -D_WASI_EMULATED_PROCESS_CLOCKS -Dru_maxrss=ru_utime.tv_sec -DMADV_HUGEPAGE=0 '-Dgetrandom(to,n,how)=-1' $(WERROR)
-PAGE_GSL := blas/blas block/init err/error err/stream err/strerror ode-initval2/control ode-initval2/cstd \
-            ode-initval2/driver ode-initval2/evolve ode-initval2/rk8pd ode-initval2/step randist/tdist rng/inline rng/mt rng/rng \
+PAGE_GSL := blas/blas block/init err/error err/stream err/strerror randist/tdist rng/inline rng/mt rng/rng \
             roots/brent roots/convergence roots/fsolver sort/sortvec sys/infnan sys/pow_int \
             $(addprefix cblas/,dasum daxpy dcopy ddot dgemv dger dnrm2 dscal xerbla) \
             $(addprefix cdf/,chisq gamma gauss gaussinv tdist tdistinv) \

@@ -1,8 +1,8 @@
 /* Designs, fits and their inverse; see identify.h. */
+#include "core/elementary.h"
 #include "stats/identify.h"
 
 #include <gsl/gsl_cdf.h>
-#include <gsl/gsl_eigen.h>
 #include <gsl/gsl_math.h>
 #include <gsl/gsl_qrng.h>
 #include <gsl/gsl_sort.h>
@@ -113,10 +113,10 @@ static rp_status fit_number(search *s, size_t k)
     /* without scatter, or with a form that does not fit, the residuals tell the error; what few degrees of
      * freedom tell is widened to Student's interval */
     const double known = one > 0.0 ? dof : left,
-                 few = known < FEW
-                           ? gsl_pow_2(gsl_cdf_tdist_Pinv(0.975, known) / gsl_cdf_ugaussian_Pinv(0.975))
-                           : 1.0,
-                 grows = few * (one == 0.0 ? excess : fmax(excess, 1.0));
+                 student =
+                     known < FEW ? gsl_cdf_tdist_Pinv(0.975, known) / gsl_cdf_ugaussian_Pinv(0.975) : 1.0,
+                 few = rint(1e9 * student * student) / 1e9, /* of which every build of GSL has the same */
+        grows = few * (one == 0.0 ? excess : fmax(excess, 1.0));
     for (size_t i = 0; i < f->n_terms * f->n_terms; i++) f->covariance[i] *= grows;
     f->tau2 = few * (one == 0.0 ? excess : fmax(excess - 1.0, 0.0)) * (double)n / weights;
     return RP_OK;
@@ -136,11 +136,10 @@ static double value_at(const search *s, size_t k, const double x[], double *vari
     return sum;
 }
 
-static double chi2_at(unsigned n, const double x[], double gradient[], void *data)
+static double chi2_at(const double x[], void *data)
 {
     const search *s = data;
     double sum = 0.0;
-    (void)n, (void)gradient;
     if (s->q->allowed && !s->q->allowed(s->q->host, x)) return 1e6;
     for (size_t k = 0; k < s->q->n_numbers; k++) {
         double v;
@@ -158,8 +157,7 @@ static rp_status least(search *s, size_t held, double at, const double guess[], 
     double lo[STATS_NAMES], hi[STATS_NAMES];
     memcpy(lo, s->lo, sizeof lo), memcpy(hi, s->hi, sizeof hi);
     if (held < p) lo[held] = hi[held] = at;
-    return stats_least(&(stats_minimum){chi2_at, s, p, lo, hi, cells[n_free], s->q->allowed != NULL, guess},
-                       x, chi2);
+    return stats_least(&(stats_minimum){chi2_at, s, p, lo, hi, cells[n_free], guess}, x, chi2);
 }
 
 /* Values of a name at which its profile is looked at: over the box, and by its error about the best. */
@@ -239,24 +237,41 @@ static void information(const search *s, const double x[], double I[STATS_NAMES 
     }
 }
 
+/* Rows and columns of the symmetric M[p p] turn until it is diagonal, by Jacobi's rotations; V: its axes, as
+ * columns. */
+static void diagonalize(size_t p, double M[], double V[])
+{
+    enum { SWEEPS = 30 };
+    for (size_t i = 0; i < p * p; i++) V[i] = i % (p + 1) == 0;
+    for (size_t n = 0; n < SWEEPS * p * p; n++) {
+        const size_t i = n / p % p, j = n % p;
+        if (i >= j || M[i * p + j] == 0.0) continue;
+        const double half = (M[j * p + j] - M[i * p + i]) / (2.0 * M[i * p + j]),
+                     t = copysign(1.0 / (fabs(half) + rp_hypot(1.0, half)), half), c = 1.0 / rp_hypot(1.0, t);
+        for (size_t k = 0; k < 3 * p; k++) { /* columns of M, rows of M, columns of V */
+            double *of = k < 2 * p ? M : V, *a = &of[k / p == 1 ? i * p + k % p : k % p * p + i],
+                   *b = &of[k / p == 1 ? j * p + k % p : k % p * p + j];
+            const double was = *a;
+            *a = c * (was - t * *b), *b = c * (t * was + *b);
+        }
+        M[i * p + j] = M[j * p + i] = 0.0;
+    }
+}
+
 /* Standard errors and correlations of the names, and the combination that is determined best: names in units
  * of their ranges along the axis of most information. */
 static void take_errors(const search *s, stats_answer *a)
 {
     const size_t p = s->q->n_names;
     double I[STATS_NAMES * STATS_NAMES], scaled[STATS_NAMES * STATS_NAMES],
-        inverse[STATS_NAMES][STATS_NAMES] = {{0}}, axis[STATS_NAMES * STATS_NAMES], power[STATS_NAMES] = {0},
-        range[STATS_NAMES] = {1.0, 1.0, 1.0};
+        inverse[STATS_NAMES][STATS_NAMES] = {{0}}, axis[STATS_NAMES * STATS_NAMES] = {0},
+        power[STATS_NAMES] = {0}, range[STATS_NAMES] = {1.0, 1.0, 1.0};
     information(s, a->x, I);
     for (size_t i = 0; i < p; i++) range[i] = s->q->hi[i] - s->q->lo[i];
     for (size_t i = 0; i < p; i++)
         for (size_t j = 0; j < p; j++) scaled[i * p + j] = I[i * p + j] * range[i] * range[j];
-    gsl_matrix_view m = gsl_matrix_view_array(scaled, p, p), v = gsl_matrix_view_array(axis, p, p);
-    gsl_vector_view e = gsl_vector_view_array(power, p);
-    gsl_eigen_symmv_workspace *w = gsl_eigen_symmv_alloc(p);
-    if (!w) return;
-    gsl_eigen_symmv(&m.matrix, &e.vector, &v.matrix, w);
-    gsl_eigen_symmv_free(w);
+    diagonalize(p, scaled, axis);
+    for (size_t k = 0; k < p; k++) power[k] = scaled[k * p + k];
     size_t most = 0;
     for (size_t k = 0; k < p; k++) {
         most = power[k] > power[most] ? k : most;
@@ -529,7 +544,7 @@ static bool lacks_runs(const search *s, const stats_answer *a)
         bool whole = true, in = true;
         for (size_t p = 0; p < P; p++) {
             const double x = s->x[i * P + p];
-            d += pow((x - a->x[p]) / (s->q->hi[p] - s->q->lo[p]), 2.0);
+            d += gsl_pow_2((x - a->x[p]) / (s->q->hi[p] - s->q->lo[p]));
             in = in && x >= a->own[p].lower && x <= a->own[p].upper;
         }
         for (size_t k = 0; k < K; k++) whole = whole && s->runs[k + K * i].n > 0.0;

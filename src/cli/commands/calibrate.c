@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "cli/cli.h"
+#include "core/elementary.h"
 #include "core/folder.h"
 #include "core/version.h"
 #include "params/config.h"
@@ -134,7 +135,7 @@ static rp_status read_measured(problem *s, const config_setting_t *setting, size
         return rp_config_fail(setting, "measured: one of experiment, protocol and runs expected");
     if (*m->runs && values) return rp_config_fail(values, "fixed: a table is as it is");
     s->quest.value[k] = m->value;
-    s->quest.error[k] = hypot(m->error, m->model_error);
+    s->quest.error[k] = rp_hypot(m->error, m->model_error);
     if (values) RP_TRY(text_of(s->call->arena, values, &fixed));
     s->quest.group[k] = group_of(s, m, fixed);
     s->quest.fixed_runs |= *m->runs != 0;
@@ -554,7 +555,7 @@ static void print_answer(const problem *s, const stats_answer *a)
     rp_table_note(stdout, "chi2", "%.3g over %zu", a->chi2, a->dof);
     for (size_t k = 0; k < s->quest.n_numbers; k++) {
         const measured *m = &s->number[k];
-        const double d = (m->value - a->fitted[k]) / hypot(s->quest.error[k], a->fit_error[k]);
+        const double d = (m->value - a->fitted[k]) / rp_hypot(s->quest.error[k], a->fit_error[k]);
         rp_table_note(stdout, m->of,
                       "measured %.6g +- %.3g, fitted %.6g +- %.3g, residual %.2g; form p = %.2g; runs reach "
                       "%.6g to %.6g",

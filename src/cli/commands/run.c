@@ -12,6 +12,7 @@
 #include "cli/unfinished.h"
 #include "cli/progress.h"
 #include "cli/closing.h"
+#include "core/elementary.h"
 #include "core/clock.h"
 #include "params/config.h"
 #include "params/units.h"
@@ -565,7 +566,7 @@ static rp_status read_text(const char *path, scene_run *r)
         RP_TRY(dem_text_scene(&r->text, scene));
     }
     if (*scene->unused) fprintf(stderr, "repose run: particles_file: not used:%s\n", scene->unused);
-    warn_gravity(path, hypot(scene->def.gravity[0], scene->def.gravity[1]));
+    warn_gravity(path, rp_hypot(scene->def.gravity[0], scene->def.gravity[1]));
     if (r->o->ledger) scene->def.ledger = true;
     if (r->o->ledger && r->phases) exp_keep_ledger(r->phases);
     return RP_OK;

@@ -159,9 +159,8 @@ typedef struct {
     double k_n, gamma_n, m_eff, v;
 } dem_head_on;
 
-/* Their impact, from first touch until the overlap is 0 again, by an adaptive Runge-Kutta method, without the
- * simulator. Damping beyond 1e4 of the spring's rate: the limit of no spring, to 1e-6. A pair that never
- * parts has restitution 0 and time INFINITY. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
+/* Their impact, from first touch until the overlap is 0 again, without the simulator: the same bits on every
+ * processor, to 1e-12. A pair that never parts has restitution 0 and time INFINITY. Errors: RP_BAD_INPUT. */
 typedef struct {
     double restitution, overlap, time;
 } dem_collision_result;
@@ -173,7 +172,7 @@ double dem_impact_error(const dem_head_on *bodies, double restitution, double dt
 
 /* gamma_n with which their impact has this restitution, in (0, 1], whatever gamma_n they have: in closed
  * form, at any speed, where the law has a damping ratio; else from dem_collision, to 1e-12 of it. Errors:
- * RP_BAD_INPUT, RP_NO_MEMORY. */
+ * RP_BAD_INPUT, RP_BROKEN. */
 rp_status dem_damping_of(const dem_head_on *bodies, double restitution, double *gamma_n);
 
 RP_C_END
