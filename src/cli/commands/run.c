@@ -198,10 +198,11 @@ static void tell_friction(scene_run *r)
     const size_t n = r->o->quiet || r->over_friction ? 0 : dem_over_friction(r->sim, &over);
     if (over == 0) return;
     r->over_friction = true;
-    fprintf(stderr,
-            "repose run: warning: t = %.5g: the shear force of %zu of %zu contacts exceeds mu times the normal "
-            "force: damping = \"outside\" adds the dashpot to this limit, \"inside\" obeys it\n",
-            dem_time(r->sim), over, n);
+    fprintf(
+        stderr,
+        "repose run: warning: t = %.5g: the shear force of %zu of %zu contacts exceeds mu times the normal "
+        "force: damping = \"outside\" adds the dashpot to this limit, \"inside\" obeys it\n",
+        dem_time(r->sim), over, n);
 }
 
 /* A frame of the tables whose turn it is at this step or at a stage's end; `last`: of all that have any. */

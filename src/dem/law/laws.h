@@ -62,7 +62,8 @@ RP_C_BEGIN
       "the spring is never shortened, as Lee & Herrmann's (2b) is printed: sliding stores energy")
 #define DEM_DAMPINGS(X)                                                                                      \
     X(DEM_DAMPING_OUTSIDE, outside,                                                                          \
-      "the dashpot adds to the limit mu F_n, as (2b) is printed: a drag, no friction, slows all that slides") \
+      "the dashpot adds to the limit mu F_n, as (2b) is printed: a drag, no friction, slows all that "       \
+      "slides")                                                                                              \
     X(DEM_DAMPING_INSIDE, inside, "spring and dashpot together obey the limit mu F_n")
 
 /* Models of rolling resistance, named as by Ai, Chen, Rotter & Ooi 2011. */
