@@ -111,6 +111,94 @@ static void sliding_block(void)
     }
 }
 
+/* A grain in equilibrium on a floor, pushed or, with `roll`, spun, with the dashpot inside the limit and at
+ * `share` of critical. */
+static dem_definition pushed(dem_grain *grain, dem_normal_law law, dem_tangential_law tangential,
+                             double share, bool roll)
+{
+    const double r = 0.1, m = 0.0042, weight = m * 981.0, speed = 5.0;
+    dem_definition def = grains_bare(1, grain, law, (dem_material){0});
+    *grain = (dem_grain){0.0, r, r, m, roll ? 0.0 : speed, 0.0, .omega = roll ? -speed / r : 0.0};
+    grains_law(&def, law, 2e6, 0.0);
+    def.gravity[1] = -981.0, def.tangential = tangential, def.damping = DEM_DAMPING_INSIDE;
+    def.tension = false, def.rotation = roll;
+    dem_material *c = &def.material;
+    const dem_normal_descriptor *spring = &dem_normal_descriptors[law];
+    const double overlap = spring->rest_overlap(spring->scale(c->k_n, r), weight),
+                 mindlin = tangential == DEM_MINDLIN ? sqrt(r * overlap) : 1.0;
+    const double k = 1e4, inert = roll ? dem_inertia(def.shape, m, r) / (r * r) : m,
+                 rate = share * 2.0 * sqrt(k * inert) / m;
+    grain->y -= overlap;
+    c->mu = roll ? 0.0 : 0.3, c->mu_roll = roll ? 0.3 : 0.0;
+    c->k_s = c->k_roll = k / mindlin;
+    c->gamma_s = c->gamma_roll = tangential == DEM_MINDLIN ? rate / sqrt(k / m) : rate;
+    grains_on_floor(&def, 1, grain);
+    def.dt = fmin(2e-6, 0.2 * dem_time_step_limit(&def, NULL)), def.ledger = true;
+    return def;
+}
+
+/* Whatever the damping, the grain stops on the way of Coulomb's law; no energy arises, and the spring holds
+ * at most that at the limit. */
+static void stops_at_the_limit(void)
+{
+    static const double shares[] = {0.0, 0.01, 0.3, 1.0, 10.0, 100.0};
+    static const dem_tangential_law springs[] = {DEM_SPRING, DEM_MINDLIN};
+    for (int law = 0; law < DEM_NORMAL_N; law++)
+        for (int n = 0; n < 24; n++) {
+            const double share = shares[n % 6], most = 0.3 * 0.0042 * 981.0, speed = 5.0;
+            const bool roll = n / 12;
+            dem_grain grain;
+            const dem_definition def = pushed(&grain, law, springs[n / 6 % 2], share, roll);
+            scoped_sim *sim = grains_start(&def);
+            const double inertia = dem_inertia(def.shape, grain.m, grain.r) / (grain.r * grain.r),
+                         energy = 0.5 * (roll ? inertia : grain.m) * speed * speed;
+            double before = grains_energy(sim), held = 0.0, risen = 0.0, stiffness = 0.0;
+            const long steps = lround(1.2 * 2.0 * energy / (most * speed) / def.dt), looks = 400;
+            for (long look = 0; look < looks; look++) {
+                CHECK_OK(dem_run(sim, steps / looks + 1));
+                const double now = grains_energy(sim);
+                const dem_contact c = grains_only_contact(sim);
+                held = fmax(held, roll ? 0.5 * c.k_roll * c.rolling_spring * c.rolling_spring
+                                       : 0.5 * c.k_s * c.shear_spring * c.shear_spring);
+                risen = fmax(risen, now - before), before = now;
+                stiffness = roll ? c.k_roll : c.k_s;
+            }
+            const dem_state s = grains_state_of_one(sim);
+            const dem_ledger l = grains_ledger(sim);
+            CHECK_NEAR((roll ? -s.angle * grain.r : s.x) * most / energy, 1.0, 0.05);
+            CU_ASSERT(held <= 0.5 * most * most / stiffness * (1.0 + 1e-9));
+            CU_ASSERT(risen <= 1e-6 * energy);
+            CU_ASSERT(fmin(fmin(l.sliding, l.shear_damping), l.rolling) >= -CLOSES * energy);
+            CHECK_NEAR(losses(&l), energy, 0.05 * energy);
+        }
+}
+
+/* Oblique impacts by Mindlin's law, whose stiffness begins at 0: no spring stores energy at first touch, and
+ * sliding takes no energy that it gives back later. */
+static void first_touch(void)
+{
+    for (int n = 0; n < 12; n++) {
+        const double angle = 0.1 + 0.12 * n, speed = 23.85, r = 0.1;
+        dem_grain grain = {0.0, 1.0001 * r, r, 0.0042, speed * sin(angle), -speed * cos(angle)};
+        dem_definition def = grains_bare(1, &grain, DEM_ELASTIC, (dem_material){0});
+        grains_law(&def, DEM_ELASTIC, 2e6, 900.0);
+        def.tangential = DEM_MINDLIN, def.damping = DEM_DAMPING_INSIDE, def.tension = false;
+        def.rotation = n % 2, def.dt = 2e-7, def.ledger = true;
+        dem_material *c = &def.material;
+        c->mu = 0.3, c->k_s = 0.8 * c->k_n, c->gamma_s = sqrt(2.0 / 3.0) * c->gamma_n;
+        grains_on_floor(&def, 1, &grain);
+        scoped_sim *sim = grains_start(&def);
+        dem_ledger before = grains_ledger(sim), l;
+        for (int look = 0; look < 2000; look++, before = l) {
+            CHECK_OK(dem_run(sim, 2));
+            l = grains_ledger(sim);
+            CU_ASSERT(l.sliding - before.sliding > -1e-5 * l.start);
+            CU_ASSERT(l.shear_damping - before.shear_damping > -1e-5 * l.start);
+        }
+        CU_ASSERT(l.sliding + l.shear_damping > 1e-3 * l.start && grains_energies(sim).elastic == 0.0);
+    }
+}
+
 /* Viscous slip under Coulomb's limit: sliding, then creep. */
 static void slip_roll(void)
 {
@@ -401,6 +489,6 @@ static void hit_by_a_belt(void)
     CHECK_PAIRS(CLOSES * l.turnover, {l.wall_work, slid * belt}, {l.hard, slid * belt - gain});
 }
 
-CHECK_SUITE(ledger, "energy ledger", impacts, sliding_block, sticking, slip_roll, pile_sticks, work_of_a_wall,
-            hit_and_gone, hit_by_a_belt, avalanche, turns, grains_put_in, hard_and_wells, implicit_box,
-            implicit_conserves)
+CHECK_SUITE(ledger, "energy ledger", impacts, sliding_block, stops_at_the_limit, first_touch, sticking,
+            slip_roll, pile_sticks, work_of_a_wall, hit_and_gone, hit_by_a_belt, avalanche, turns,
+            grains_put_in, hard_and_wells, implicit_box, implicit_conserves)

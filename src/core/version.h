@@ -10,7 +10,7 @@ RP_C_BEGIN
 
 /* Version of the physics: a result stored under another number is never reused. Raise it whenever the
  * bits of a run change; the golden digests in tests/test_golden.c fail otherwise. */
-#define RP_MODEL_VERSION 3
+#define RP_MODEL_VERSION 4
 
 extern const char rp_build_commit[], rp_build_compiler[], rp_build_libraries[];
 

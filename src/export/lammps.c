@@ -245,7 +245,10 @@ static void write_about(const lammps_scene *s, const char *scene, FILE *out)
         "# integrator: velocity Verlet; forces that depend on velocity take that of half a step before\n");
     if (spring)
         fputs("# start: of contacts whose dashpot alone exceeds mu F_n, LAMMPS leaves the shear force out of "
-              "the first half step\n",
+              "the first half step\n"
+              "# dashpot alone above mu F_n (first touch of a fast slip): LAMMPS draws the spring the other "
+              "way, "
+              "here it stays: grains then move apart\n",
               out);
     fprintf(out, "# Every other setting of a scene is refused by repose export.\n\n");
 }

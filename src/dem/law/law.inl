@@ -234,9 +234,10 @@ LAW dem_slider dem_law_mindlin(dem_slider c, num r_eff, num m_eff, num overlap, 
  *
  *   F_s = -sign(T) min(|T|, mu max(F_n, 0)),  T = k_s ds + gamma_s m_eff v_s,
  *
- * and a truncated spring is left what the dashpot does not take of the limit. v_s is the relative velocity
- * along s, the normal turned clockwise; `h` the time since the last call; *spring is ds and is brought up to
- * date. */
+ * and a truncated spring is left what the dashpot does not take of the limit. Where the dashpot alone takes
+ * more, nothing is left: the spring is not drawn the other way, where it would store energy that no work has
+ * brought; one that is drawn that way already stays. v_s is the relative velocity along s, the normal turned
+ * clockwise; `h` the time since the last call; *spring is ds and is brought up to date. */
 LAW num dem_law_shear(dem_slider c, num m_eff, num v_s, num normal_force, double h, num *spring)
 {
     const num zero = {0};
@@ -249,8 +250,12 @@ LAW num dem_law_shear(dem_slider c, num m_eff, num v_s, num normal_force, double
     case DEM_DAMPING_INSIDE: of_spring -= dashpot; break;
     case DEM_DAMPING_OUTSIDE: force = -dashpot - held; break;
     }
+    num left = of_spring * c.inverse_k;
+    if (c.damping == DEM_DAMPING_INSIDE)
+        left = num_choose(num_less(of_spring * pull, zero), num_choose(num_less(ds * pull, zero), ds, zero),
+                          left);
     switch (c.slip) {
-    case DEM_TRUNCATED: ds = num_choose(slides, of_spring * c.inverse_k, ds); break;
+    case DEM_TRUNCATED: ds = num_choose(slides, left, ds); break;
     case DEM_TOTAL: break;
     }
     *spring = ds;
