@@ -1693,6 +1693,30 @@ static void test_energy_growth(void)
     for (size_t k = 0; k < sizeof silent / sizeof *silent; k++) GOOD("run s.cfg --set '%s'", silent[k]);
 }
 
+/* A grain slides down a slope. With the dashpot outside Coulomb's limit that is said, once; not of a grain
+ * that sticks, by its own friction or the wall's. */
+static void test_drag(void)
+{
+    static const char told[] = "warning: t = 0.1: the shear force of 1 of 1 contacts exceeds mu times",
+                      slope[] = "dt = 5e-5; tangential = { law = \"spring\"; mu = 0.3; };\n"
+                                "walls = ( { point = [0.0, 0.0]; direction = [1.0, 2.0]; } );\n"
+                                "particles = ( { x = 0.0447; y = 0.0894; r = 0.1; } );\n";
+    for (int phases = 0; phases < 2; phases++) {
+        write_text("s.cfg", "%s%s", slope,
+                   phases ? "phases = ( { name = \"a\"; steps = 2000; }, { name = \"b\"; steps = 2000; } );\n"
+                          : "steps = 4000;\n");
+        GOOD("run s.cfg");
+        CU_ASSERT(run("run s.cfg --set tangential.damping=outside --every 2000 -o d%d", phases) == 0);
+        const char *first = strstr(err, told);
+        CU_ASSERT(first && !strstr(first + 1, "warning"));
+        CU_ASSERT(run("run s.cfg --set tangential.damping=outside --quiet") == 0 && !*err);
+        CU_ASSERT(run("run s.cfg --set tangential.damping=outside") == 0 && strstr(err, "warning"));
+        for (int wall = 0; wall < 2; wall++)
+            GOOD("run s.cfg --set tangential.damping=outside --set '%s.mu=0.9'",
+                 wall ? "walls[0]" : "tangential");
+    }
+}
+
 /* A point of a sweep without damping, or with a restitution without its speed, is refused as a scene is. */
 static void test_undamped_sweep(void)
 {
@@ -1820,5 +1844,5 @@ CHECK_SUITE_WITHIN(cli, "command line", enter, leave, test_hardened, test_help, 
                    test_page_circles, test_stress_dip, test_cut_drops, test_stats_trends, test_stats_select,
                    test_free_fall, test_output_folder, test_broken_run, test_sweep, test_make,
                    test_derivations, test_settings, test_shared_piles, test_row_again, test_run_stopped,
-                   test_folders, test_energy_growth, test_run_intervals, test_run_help, test_run_scene,
-                   test_undamped_sweep, test_limits, test_stopped)
+                   test_folders, test_energy_growth, test_drag, test_run_intervals, test_run_help,
+                   test_run_scene, test_undamped_sweep, test_limits, test_stopped)

@@ -372,7 +372,7 @@ static void test_where(void)
 static void test_words(void)
 {
     static const trial_change cases[] = {
-        {hopper, "grains < stop", "grains < -1", "most_flow"},
+        {hopper, "most = 40000;", "most = 100;", "most_flow"},
         {hopper, "most = 40000;", "most = 100; status = `slow`;", "slow"},
         {hopper, "most = 40000;", "most = 100; status = `slow`; go_on = true;", "slow"},
         {hopper, "most = 40000;", "most = 100; go_on = true;", "ok"},

@@ -367,6 +367,10 @@ typedef struct dem_contact {
 /* All contacts, walls included; *contacts is a new array (free it). Errors: RP_NO_MEMORY. */
 rp_status dem_contacts(const dem_sim *sim, dem_contact **contacts, size_t *n);
 
+/* Number of contacts; *over is how many have a shear force above Coulomb's limit mu max(F_n, 0), as only a
+ * dashpot outside the limit makes it. Without such a dashpot both are 0. */
+size_t dem_over_friction(const dem_sim *sim, size_t *over);
+
 /* Energies: kinetic of the translation, elastic (normal, shear and rolling springs, wells of the ground),
  * gravity (from the origin; of what can move), kinetic of the rotation. */
 typedef struct {

@@ -83,6 +83,7 @@ typedef struct {
     long written[CLI_GROWING]; /* steps of the last frames: a phase may have none */
     dem_sim *sim;              /* with phases theirs */
     exp_run *exp;              /* NULL: no phases */
+    bool over_friction;        /* has been told */
     origin of;
     char line[4096]; /* of its start, for tables that are written at the end */
     cli_unfinished unfinished;
@@ -191,12 +192,28 @@ static long steps_of(const scene_run *r)
     return r->exp ? exp_steps(r->exp) : dem_step(r->sim);
 }
 
+/* Once a run. */
+static void tell_friction(scene_run *r)
+{
+    size_t over = 0;
+    const size_t n = r->o->quiet || r->over_friction ? 0 : dem_over_friction(r->sim, &over);
+    if (over == 0) return;
+    r->over_friction = true;
+    fprintf(
+        stderr,
+        "repose run: warning: t = %.5g: the shear force of %zu of %zu contacts exceeds mu times the normal "
+        "force: damping = \"outside\" adds the dashpot to this limit, \"inside\" obeys it\n",
+        dem_time(r->sim), over, n);
+}
+
 /* A frame of the tables whose turn it is at this step or at a stage's end; `last`: of all that have any. */
 static rp_status write_frame(scene_run *r, bool stage, bool last)
 {
     const long *every = r->plan.every, step = steps_of(r);
+    if (stage || last) tell_friction(r);
     for (int k = 0; k < CLI_GROWING; k++) {
         const bool due = every[k] && (last || stage || (every[k] > 0 && step % every[k] == 0));
+        if (due && k == CONTACTS) tell_friction(r);
         if (!due || !table_of(r, k) || r->written[k] == step) continue;
         RP_TRY(dem_write_rows((dem_table)k, r->sim, step, table_of(r, k)));
         r->written[k] = step;

@@ -61,7 +61,9 @@ RP_C_BEGIN
     X(DEM_TOTAL, total,                                                                                      \
       "the spring is never shortened, as Lee & Herrmann's (2b) is printed: sliding stores energy")
 #define DEM_DAMPINGS(X)                                                                                      \
-    X(DEM_DAMPING_OUTSIDE, outside, "the dashpot adds to the limit mu F_n, as (2b) is printed")              \
+    X(DEM_DAMPING_OUTSIDE, outside,                                                                          \
+      "the dashpot adds to the limit mu F_n, as (2b) is printed: a drag, no friction, slows all that "       \
+      "slides")                                                                                              \
     X(DEM_DAMPING_INSIDE, inside, "spring and dashpot together obey the limit mu F_n")
 
 /* Models of rolling resistance, named as by Ai, Chen, Rotter & Ooi 2011. */

@@ -79,8 +79,8 @@
     DEM_MU_PARAM(X, "0.0") \
     DEM_CHOICE(X, slip, DEM_KEY("slip"), DEM_DEFAULT("truncated"), DEM_SLIPS, \
       DEM_MEANING("shear spring of a sliding contact: cut at the Coulomb limit, or as (2b) is printed")) \
-    DEM_CHOICE(X, damping, DEM_KEY("damping"), DEM_DEFAULT("outside"), DEM_DAMPINGS, \
-      DEM_MEANING("whether the limit mu F_n leaves the shear dashpot out, as printed, or holds it with the spring"))
+    DEM_CHOICE(X, damping, DEM_KEY("damping"), DEM_DEFAULT("inside"), DEM_DAMPINGS, \
+      DEM_MEANING("whether the limit mu F_n holds the shear dashpot with the spring, or leaves it out, as printed"))
 
 /* Group `rolling`. */
 #define DEM_ROLLING_PARAMS(X) \

@@ -177,7 +177,7 @@ const dem_scene_group dem_scene_schemas[] = {
      "Chen, Rotter & Ooi 2011, model C)"},
     {"material", material_schema,
      "elastic spheres by their material: stands for normal = { law = \"elastic\"; tension = false; } with "
-     "k_n = 4/3 E*, tangential = { law = \"mindlin\"; damping = \"inside\"; } with k_s = 8 G*, and these "
+     "k_n = 4/3 E*, tangential = { law = \"mindlin\"; } with k_s = 8 G*, and these "
      "coefficients; walls have E and nu of their own, else the grains'"},
     {"walls", wall_schema,
      "lines, segments, polygons and circles, which may move and open. A line or segment: point = [x, y]; "

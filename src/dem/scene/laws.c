@@ -10,7 +10,7 @@ static rp_status read_material(const config_setting_t *material, dem_scene *scen
     RP_TRY(rp_config_group(material, SCHEMA(MATERIAL), scene, NULL));
     const double E[2] = {scene->E, scene->E}, nu[2] = {scene->nu, scene->nu};
     p->normal = DEM_ELASTIC, p->tension = false;
-    p->tangential = DEM_MINDLIN, p->damping = DEM_DAMPING_INSIDE;
+    p->tangential = DEM_MINDLIN;
     dem_elastic_contact(E, nu, &p->k_n, &p->k_s);
     return RP_OK;
 }
