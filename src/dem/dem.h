@@ -152,7 +152,7 @@ typedef struct {
     dem_wall walls[DEM_FEW_WALLS];
     const dem_wall *wall_list; /* if not NULL, the walls are these, of any number; borrowed as the grains */
     double radius_to_come;     /* mean radius of grains that are added to none; 0: there must be some */
-    double mass_to_come;       /* their mean mass, for a restitution */
+    double mass_to_come;       /* their mean mass, for a restitution; of all, if known, for the largest step */
     size_t n_grains;
     const dem_grain *grains; /* borrowed until dem_create returns */
     /* Contacts that the start already has, as dem_contacts gives them, ids by the order of the grains: their
@@ -224,14 +224,16 @@ const char *dem_fault_text(dem_fault fault);
 
 /* Largest time step that the definition allows, 3.4/(3 gamma + sqrt(9 gamma^2 + 12 omega^2)): 0.85 of the
  * stability limit of a packing's fastest mode; with Verlet and the linear law 0.95 of it. omega^2 and gamma
- * belong to the quickest contact in an impact from the start's height and speed; limits.c derives them. Where
- * a contact has no normal damping, also that at which an impact changes the energy by 1 % at most. A single
- * pair becomes unstable at about twice the limit. Gear has a further limit, see gear.c; the implicit
- * integrator has none, INFINITY. `what` (may be NULL) names the contact that sets the limit. dem_create also
- * checks the overlaps of the start. Measured in validation/stability.c. */
-double dem_time_step_limit(const dem_definition *def, const char **what);
+ * belong to the quickest contact in an impact from the start's height and speed; limits.c derives them. With
+ * little normal damping, also that at which impacts of mean grains bring in less than 1 % of what is
+ * dissipated, but no less than that at which an impact changes the energy by 1 % at most. A single pair
+ * becomes unstable at about twice the limit. Gear has a further limit, see gear.c; the implicit integrator
+ * has none, INFINITY. `what` (may be NULL) names what sets the limit, and the contact. dem_create also checks
+ * the overlaps of the start. Measured in validation/stability.c. */
+typedef char dem_limit_name[80];
+double dem_time_step_limit(const dem_definition *def, dem_limit_name what);
 
-/* The error of a time step above that limit: RP_BAD_INPUT. */
+/* The error of a time step above that limit, which it prints rounded down: RP_BAD_INPUT. */
 rp_status dem_refuse_step(const dem_definition *def, double limit, const char *what);
 
 /* Check the definition and make a simulation at step 0; free with dem_free.

@@ -40,6 +40,9 @@ typedef struct dem_scheme {
     rp_status (*check)(const dem_definition *def);
     /* Largest stable time step; NULL: none is too large. */
     double (*step_limit)(const dem_definition *def, dem_rates rates, dem_load load);
+    /* Largest omega dt at which impacts of a bed gain less than 1 % of what they lose, by their error: gamma
+     * and the shear stiffness of a contact over omega and the normal stiffness. */
+    double (*impact_limit)(const dem_definition *def, double damping, double shear);
 
     /* Frees the work space of its own, sim->work, where it has one. */
     void (*free)(dem_sim *sim);
