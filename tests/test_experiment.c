@@ -2,6 +2,7 @@
  * sweeps change no bit. */
 #include <inttypes.h>
 
+#include "tests/grains.h"
 #include "trial.h"
 
 /* Two grains fall from rest beside each other, then lie on a floor that is a wall with a name. */
@@ -872,10 +873,94 @@ static void test_turned_walls(void)
     RUN_TRIAL(other, check_changed(turned, "(0.7, 0.4)", "(0.0, 0.0)"), 1000, "ok");
     const double c = cos(20.0 * M_PI / 180.0), s = sin(20.0 * M_PI / 180.0), fx = measured(&about, "fx"),
                  fy = measured(&about, "fy"), x = 0.7 * c + 0.4 * s, y = 0.4 * c - 0.7 * s;
-    CHECK_PAIRS(1e-12, {measured(&about, "px"), 0.7}, {measured(&about, "py"), 0.4},
+    CHECK_PAIRS(1e-12, {measured(&about, "px"), 0.0}, {measured(&about, "py"), 0.0},
                 {measured(&about, "lx"), 1.0}, {measured(&about, "ly"), 0.0});
     CU_ASSERT(fy < -1.0);
     CHECK_NEAR(measured(&other, "m") - measured(&about, "m"), x * fy - y * fx, 1e-9);
+}
+
+/* A wall is at its middle wherever its pivot is and however it is cut; one without an end at its point. Its
+ * pivot (1, 1) moves to (2, 3), and it makes a quarter turn. One that is lifted is shorter, one that is gone
+ * nowhere. */
+static void test_places_of_walls(void)
+{
+    static const struct {
+        const char *sides;
+        double x, y; /* at the start */
+    } walls[] = {{"point = (3.0, 5.0); direction = (0.0, -1.0); extent = (-1.0, 2.0);", 2.5, 5.0},
+                 {"polygon = ((2.0, 5.0), (2.0, 9.0)); closed = false;", 2.0, 7.0},
+                 {"polygon = ((0.0, 0.0), (1.0, 0.0), (4.0, 0.0), (4.0, 4.0)); closed = false;", 3.0, 1.0},
+                 {"polygon = ((0.0, 0.0), (4.0, 0.0)); closed = false; }, { name = `w`; pivot = (1.0, 1.0);\n"
+                  "polygon = ((4.0, 0.0), (4.0, 4.0)); closed = false;",
+                  3.0, 1.0},
+                 {"polygon = ((4.0, 0.0), (4.0, 3.0), (0.0, 0.0));", 2.5, 1.0},
+                 {"circle = (7.0, 8.0, 1.5); sides = 5;", 7.0, 8.0},
+                 {"point = (3.0, 5.0); direction = (0.6, -0.8);", 3.0, 5.0},
+                 {"point = (3.0, 5.0); direction = (0.0, -1.0); extent = (`-inf`, 2.0);", 3.0, 5.0}};
+    static const char text[] =
+        "dt = 1.0e-3; gravity = (0.0, 0.0); normal = { k_n = 1.0; };\n"
+        "particles = ( { x = -50.0; y = -40.0; r = 0.1; fixed = true; } );\n"
+        "walls = ( { name = `w`; pivot = (1.0, 1.0); %s } );\n"
+        "phases = ( { name = `see`; steps = 1; }, { name = `go`; %s time = 1.0; }, { name = `end`; open = "
+        "`w`; steps = 1; } );\n"
+        "measure = ( { name = `x0`; of = `w.x`; at = `see`; }, { name = `y0`; of = `w.y`; at = `see`; },\n"
+        "  { name = `x1`; of = `w.x`; at = `go`; }, { name = `y1`; of = `w.y`; at = `go`; },\n"
+        "  { name = `x2`; of = `w.x`; }, { name = `y2`; of = `w.y`; } );\n";
+    for (size_t k = 0; k < sizeof walls / sizeof *walls; k++) {
+        const double x = walls[k].x, y = walls[k].y;
+        RUN_TRIAL(
+            t,
+            check_text(text, walls[k].sides, "walls = { w = { velocity = (1.0, 2.0); omega = `pi/2`; }; };"),
+            999, "ok");
+        CHECK_EACH(measured(&t, NAME), 1e-9, {"x0", x}, {"y0", y}, {"x1", 3.0 - y}, {"y1", 2.0 + x});
+    }
+    RUN_TRIAL(lifted, check_text(text, check_text("%s open_speed = 1.0;", walls[1].sides), "open = `w`;"),
+              999, "ok");
+    CHECK_EACH(measured(&lifted, NAME), 1e-9, {"y0", 7.0}, {"x1", 2.0}, {"y1", 7.5});
+}
+
+/* Gravity is at t that of t, for each integrator; a step has it at its middle, so that the way errs by the
+ * second order. One that turns has after n steps turned n times, the first before the first step. */
+static void test_gravity_of_time(void)
+{
+    static const char *const integrators[] = {"verlet", "gear5", "implicit"};
+    const double w = 30.0, G = 100.0, T = 0.1;
+    for (int k = 0; k < 3; k++) {
+        double error[2];
+        for (int fine = 0; fine < 2; fine++) {
+            scoped_trial t;
+            double g[2], at = 0.0;
+            start(&t,
+                  check_text("dt = %g; gravity = (1.0, 1.0); integrator = `%s`; normal = { law = `linear`; "
+                             "k_n = 1e3; };\n"
+                             "particles = ( { x = 0.0; y = 0.0; r = 0.1; m = 1.0; } );\n"
+                             "phases = ( { name = `sway`; gravity = (`100*sin(30*t)`, `-100*cos(30*t)`); "
+                             "time = 0.1; } );\n"
+                             "measure = ( { name = `xs`; of = `x`; }, { name = `vs`; of = `vx`; } );\n",
+                             fine ? 5e-4 : 1e-3, integrators[k]));
+            while (!exp_done(t.run)) {
+                CHECK_OK(exp_advance(t.run, 1));
+                dem_gravity(exp_sim(t.run), g);
+                at = dem_time(exp_sim(t.run));
+                const dem_state s = grains_state_of_one(exp_sim(t.run));
+                CHECK_PAIRS(1e-9, {g[0], G * sin(w * at)}, {g[1], -G * cos(w * at)}, {s.fx, g[0]},
+                            {s.fy, g[1]});
+            }
+            CHECK_NEAR(at, T, 1e-12);
+            error[fine] = measured(&t, "xs") - (G / w * T - G / (w * w) * sin(w * T));
+            CHECK_NEAR(measured(&t, "vs"), G / w * (1.0 - cos(w * T)), 1e-3 * G / w); /* (w dt)^2/24 */
+        }
+        CHECK_NEAR(error[0] / error[1], 4.0, 0.1);
+    }
+    dem_grain grain = {.r = 0.1, .m = 1.0};
+    dem_definition def = grains_of(1, &grain);
+    const double turn = 0.01, dt = def.dt;
+    def.turn_per_step = turn;
+    scoped_sim *sim = grains_after(&def, 1);
+    double g[2];
+    dem_gravity(sim, g);
+    CHECK_PAIRS(1e-9, {g[0], 981.0 * sin(turn)}, {g[1], -981.0 * cos(turn)});
+    CHECK_NEAR(grains_state_of_one(sim).x, dt * dt * g[0], 1e-9 * dt * dt * g[0]);
 }
 
 /* A grain on a plate that rises, stands, turns about its middle and stands again. */
@@ -1308,9 +1393,10 @@ static void test_random_texts(void)
 
 CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, test_rest_by_gravity,
                    test_looks_at_rest, test_phases, test_known_so_far, test_line_of_correlated, test_forces,
-                   test_surface_and_motion, test_walls, test_turned_walls, test_vibrated, test_modules,
-                   test_flanks_of_touching, test_avalanches, test_limits_of_radii, test_more_modules,
-                   test_mean_grain, test_refused_more, test_cuts, test_kept, test_where, test_started_at,
-                   test_words, test_refused, test_keys, test_random_texts, test_run, test_resumed, test_swept,
+                   test_surface_and_motion, test_walls, test_turned_walls, test_places_of_walls,
+                   test_gravity_of_time, test_vibrated, test_modules, test_flanks_of_touching,
+                   test_avalanches, test_limits_of_radii, test_more_modules, test_mean_grain,
+                   test_refused_more, test_cuts, test_kept, test_where, test_started_at, test_words,
+                   test_refused, test_keys, test_random_texts, test_run, test_resumed, test_swept,
                    test_shared_ends, test_other_measures, test_other_texts, test_other_snapshots,
                    test_sweeps_refused, test_slow_turns, test_computed_again)

@@ -351,12 +351,12 @@ static void restitution_of_walls(void)
         if (choice == 1) given.restitution = 0.7;
         if (choice == 2) given.gamma_n = 123.0;
         grains_on_floor(&def, 1, &grain);
-        def.walls[0].material = dem_wall_material(&given, &def.material);
+        def.walls[0].material = dem_wall_material(&given, &p);
         scoped_sim *sim = grains_start(&def);
         const dem_material *floor = &sim->def.walls[0].material, *grains = &sim->def.material;
         CHECK_NEAR(dem_restitution(true, law->damping_ratio(grains->k_n, grains->gamma_n, 0.002)), 0.4,
                    1e-12);
-        CHECK_PAIRS(0.0, {grains->gamma_s, grains->gamma_n / 100.0}, {floor->gamma_s, grains->gamma_s});
+        CHECK_PAIRS(0.0, {grains->gamma_s, grains->gamma_n / 100.0}, {floor->gamma_s, floor->gamma_n / 100.0});
         if (choice == 2) CU_ASSERT(floor->gamma_n == 123.0);
         if (choice < 2)
             CHECK_NEAR(dem_restitution(true, law->damping_ratio(floor->k_n, floor->gamma_n, 0.004)),
