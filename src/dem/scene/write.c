@@ -65,10 +65,8 @@ static void write_walls(FILE *out, const dem_scene *scene)
         /* libconfig has no infinity: an open end is written as a number far away */
         double ends[2] = {fmax(wall->extent[0], -1e300), fmin(wall->extent[1], 1e300)};
         if (isfinite(wall->extent[0]) || isfinite(wall->extent[1])) write_pair(out, "extent", ends);
-        if (dem_wall_moves(wall)) {
-            write_pair(out, "velocity", wall->velocity);
-            write_pair(out, "pivot", wall->pivot);
-        }
+        if (dem_wall_moves(wall)) write_pair(out, "velocity", wall->velocity);
+        if (wall->pivot[0] != 0.0 || wall->pivot[1] != 0.0) write_pair(out, "pivot", wall->pivot);
         rp_config_write(out, SCHEMA(WALLS) + SHAPE_ROWS, &entry);
         fputs("}", out);
     }

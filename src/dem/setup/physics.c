@@ -59,6 +59,23 @@ dem_physics dem_physics_of(const dem_definition *def, double density)
     return p;
 }
 
+static bool is_word(const char *words, int index)
+{
+    return *rp_word_at(words, index, (char[64]){0}, 64);
+}
+
+bool dem_words_known(const dem_definition *def)
+{
+    bool known = true;
+#define KNOWN_RP_REAL(value, range)   true
+#define KNOWN_RP_BOOL(value, range)   rp_keep_bool(&(value))
+#define KNOWN_RP_CHOICE(value, range) is_word(range, (int)(value))
+#define KNOWN(kind, type, name, key, unit, fallback, range, ...)                                             \
+    DEM_IF_SCENE(kind, known &= KNOWN_##type(def->name, range);)
+    DEM_PHYSICS(KNOWN)
+    return known;
+}
+
 #define AUTO(kind, type, name, ...) DEM_IF_MATERIAL(kind, .name = -1.0, )
 const dem_material dem_material_auto = {DEM_PHYSICS(AUTO)};
 
