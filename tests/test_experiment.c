@@ -433,24 +433,14 @@ static void test_refused(void)
 
 static void test_keys(void)
 {
-    /* what is replaced by what, and whether that may change the numbers */
+    /* what is replaced by what, and whether that may change the numbers; suite schemas has the keys */
     static const trial_change cases[] = {{hopper, "D = {", "/* outlet */ D = {", "same"},
                                          {hopper, "meaning = `outlet`", "meaning = `gap`", "same"},
                                          {hopper, "grains < stop", "grains < 4*5", "same"},
                                          {hopper, "  { name = `packed`", "\n { name = `packed`", "same"},
                                          {hopper, "unit = `1/s`", "columns = [`rate`, `other`]", "another"},
-                                         {hopper, "value = 1.6", "value = 1.7", "another"},
                                          {hopper, "stop = 20", "stop = 21", "another"},
-                                         {hopper, "mu = 0.2", "mu = 0.3", "another"},
-                                         {hopper, "least = 2000", "least = 2001", "another"},
-                                         {hopper, "every = 100", "every = 101", "another"},
-                                         {hopper, "most = 40000", "most = 40001", "another"},
-                                         {hopper, "clogged = `rest`", "clogged = `bulk.rest`", "another"},
                                          {hopper, "clogged = `rest`", "jammed = `rest`", "another"},
-                                         {hopper, "open = `gate`; ", "", "another"},
-                                         {hopper, "x = [0.5, 1.5]", "x = [0.5, 1.6]", "another"},
-                                         {hopper, "regions =", "rest = { looks = 9; }; regions =", "another"},
-                                         {hopper, "take = `rate`", "take = `max`", "another"},
                                          {hopper, "of = `height`", "of = `2*height`", "another"}};
     check_keys(sizeof cases / sizeof *cases, cases);
 }
