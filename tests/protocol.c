@@ -59,7 +59,7 @@ void protocol_box(double W, double H, long run, const double steps[2], dem_sim *
     physics.tangential = DEM_SPRING;
     physics.mu = 0.2;
     dem_physics_apply(&physics, &scene.def);
-    const dem_material wall = dem_wall_material(&dem_material_auto, &scene.def.material);
+    const dem_material wall = dem_wall_material(&dem_material_auto, &physics);
     dem_box_walls(&scene.def, W, &wall);
     scene.def.x_max = 3.0 * W;
     CHECK_OK(dem_scene_start(&scene, sim));

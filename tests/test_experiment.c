@@ -3,6 +3,7 @@
 #include <inttypes.h>
 #include <signal.h>
 
+#include "tests/grains.h"
 #include "trial.h"
 
 /* Two grains fall from rest beside each other, then lie on a floor that is a wall with a name. */
@@ -477,24 +478,14 @@ static void test_refused(void)
 
 static void test_keys(void)
 {
-    /* what is replaced by what, and whether that may change the numbers */
+    /* what is replaced by what, and whether that may change the numbers; suite schemas has the keys */
     static const trial_change cases[] = {{hopper, "D = {", "/* outlet */ D = {", "same"},
                                          {hopper, "meaning = `outlet`", "meaning = `gap`", "same"},
                                          {hopper, "grains < stop", "grains < 4*5", "same"},
                                          {hopper, "  { name = `packed`", "\n { name = `packed`", "same"},
                                          {hopper, "unit = `1/s`", "columns = [`rate`, `other`]", "another"},
-                                         {hopper, "value = 1.6", "value = 1.7", "another"},
                                          {hopper, "stop = 20", "stop = 21", "another"},
-                                         {hopper, "mu = 0.2", "mu = 0.3", "another"},
-                                         {hopper, "least = 2000", "least = 2001", "another"},
-                                         {hopper, "every = 100", "every = 101", "another"},
-                                         {hopper, "most = 40000", "most = 40001", "another"},
-                                         {hopper, "clogged = `rest`", "clogged = `bulk.rest`", "another"},
                                          {hopper, "clogged = `rest`", "jammed = `rest`", "another"},
-                                         {hopper, "open = `gate`; ", "", "another"},
-                                         {hopper, "x = [0.5, 1.5]", "x = [0.5, 1.6]", "another"},
-                                         {hopper, "regions =", "rest = { looks = 9; }; regions =", "another"},
-                                         {hopper, "take = `rate`", "take = `max`", "another"},
                                          {hopper, "of = `height`", "of = `2*height`", "another"}};
     check_keys(sizeof cases / sizeof *cases, cases);
 }
@@ -914,10 +905,161 @@ static void test_turned_walls(void)
     RUN_TRIAL(other, check_changed(turned, "(0.7, 0.4)", "(0.0, 0.0)"), 1000, "ok");
     const double c = cos(20.0 * M_PI / 180.0), s = sin(20.0 * M_PI / 180.0), fx = measured(&about, "fx"),
                  fy = measured(&about, "fy"), x = 0.7 * c + 0.4 * s, y = 0.4 * c - 0.7 * s;
-    CHECK_PAIRS(1e-12, {measured(&about, "px"), 0.7}, {measured(&about, "py"), 0.4},
+    CHECK_PAIRS(1e-12, {measured(&about, "px"), 0.0}, {measured(&about, "py"), 0.0},
                 {measured(&about, "lx"), 1.0}, {measured(&about, "ly"), 0.0});
     CU_ASSERT(fy < -1.0);
     CHECK_NEAR(measured(&other, "m") - measured(&about, "m"), x * fy - y * fx, 1e-9);
+}
+
+/* vx, vy and spin of a grain after its oblique impact on a wall. */
+static void hit(const char *laws, const char *grains, const char *wall, const char *later, double v[3])
+{
+    RUN_TRIAL(
+        t,
+        check_text("gravity = (0.0, 0.0); rotation = true; %s\n"
+                   "walls = ( { name = `w`; point = (0.0, 0.0); direction = (0.0, 1.0); %s } );\n"
+                   "phases = ( { name = `near`; steps = 1; }, { name = `hit`; %s steps = 6000; } );\n"
+                   "measure = ( { name = `a`; of = `vx`; }, { name = `b`; of = `vy`; }, { name = `c`; of "
+                   "= `spin`; } );\n",
+                   check_changed(laws, "X", grains), wall, later),
+        9999, "ok");
+    memcpy(v, exp_values(t.run), 3 * sizeof *v);
+}
+
+/* A wall's own restitution, or own gamma_n, acts in all that follows from it as where the grains have the
+ * same, given at the start or in a phase. What the grains are given in numbers the wall takes. */
+static void test_own_damping(void)
+{
+#define IN_CGS "dt = 2e-7; particles = ( { x = 0.0; y = 0.1003; r = 0.1; vx = 3.42; vy = -9.4; } );\n"
+    static const struct {
+        const char *laws, *key, *grains, *wall;
+    } list[] = {
+        {IN_CGS "material = { E = 1e8; nu = 0.3; mu = 0.5; X };", "restitution", "0.7", "0.5"},
+        {"units = `si`; dt = 1e-6; particles = ( { x = 0.0; y = 1.003e-3; r = 1e-3; vx = 0.34; vy = -0.94; } "
+         ");\n"
+         "material = { E = 1e7; nu = 0.3; mu = 0.5; X }; rolling = { mu = 0.1; };",
+         "restitution", "0.8", "0.4"},
+        {IN_CGS "normal = { law = `linear`; k_n = 1e6; X }; tangential = { law = `spring`; mu = 0.5; };",
+         "restitution", "0.9", "0.2"},
+        {IN_CGS "normal = { law = `linear`; k_n = 1e6; X }; tangential = { law = `slip_roll`; mu = 0.5; }; "
+                "rolling = { mu = 0.1; };",
+         "restitution", "0.9", "0.2"},
+        {IN_CGS
+         "normal = { X restitution_speed = 9.0; }; tangential = { law = `spring`; mu = 0.5; }; rolling = "
+         "{ mu = 0.1; };",
+         "restitution", "0.8", "0.3"},
+        {IN_CGS "normal = { X }; tangential = { law = `spring`; mu = 0.5; }; rolling = { mu = 0.1; };",
+         "gamma_n", "500.0", "9000.0"},
+        {IN_CGS "normal = { law = `tsuji`; X }; tangential = { law = `mindlin`; k_s = 1e6; mu = 0.5; };",
+         "gamma_n", "0.1", "0.9"},
+        {IN_CGS "normal = { law = `tsuji`; X }; tangential = { law = `mindlin`; k_s = 1e6; mu = 0.5; };",
+         "restitution", "0.9", "0.4"}};
+    for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
+        double v[3], as[3];
+        scoped char *grains = strdup(check_text("%s = %s;", list[k].key, list[k].grains)),
+                    *wall = strdup(check_text("%s = %s;", list[k].key, list[k].wall)),
+                    *phase = strdup(check_text("walls = { w = { %s }; };", wall)),
+                    *given = strdup(check_changed(list[k].laws, "mu = 0.5;", "mu = 0.5; gamma_s = 3.0;"));
+        hit(list[k].laws, wall, "", "", as);
+        hit(list[k].laws, wall, wall, "", v);
+        CU_ASSERT(memcmp(v, as, sizeof v) == 0);
+        hit(list[k].laws, grains, wall, "", v);
+        CHECK_PAIRS(0.0, {v[0], as[0]}, {v[1], as[1]}, {v[2], as[2]});
+        hit(list[k].laws, grains, "", phase, v);
+        CHECK_PAIRS(0.0, {v[0], as[0]}, {v[1], as[1]}, {v[2], as[2]});
+        hit(list[k].laws, grains, "", "", v);
+        CU_ASSERT(v[0] != as[0] && v[1] != as[1] && v[2] != as[2]);
+        if (strstr(given, "material")) continue;
+        hit(given, grains, wall, "", v);
+        hit(given, grains, check_text("%s gamma_s = 3.0;", wall), "", as);
+        CU_ASSERT(memcmp(v, as, sizeof v) == 0);
+        hit(list[k].laws, grains, wall, "", as);
+        CU_ASSERT(memcmp(v, as, sizeof v) != 0);
+    }
+}
+
+/* A wall is at its middle wherever its pivot is and however it is cut; one without an end at its point. Its
+ * pivot (1, 1) moves to (2, 3), and it makes a quarter turn. One that is lifted is shorter, one that is gone
+ * nowhere. */
+static void test_places_of_walls(void)
+{
+    static const struct {
+        const char *sides;
+        double x, y; /* at the start */
+    } walls[] = {{"point = (3.0, 5.0); direction = (0.0, -1.0); extent = (-1.0, 2.0);", 2.5, 5.0},
+                 {"polygon = ((2.0, 5.0), (2.0, 9.0)); closed = false;", 2.0, 7.0},
+                 {"polygon = ((0.0, 0.0), (1.0, 0.0), (4.0, 0.0), (4.0, 4.0)); closed = false;", 3.0, 1.0},
+                 {"polygon = ((0.0, 0.0), (4.0, 0.0)); closed = false; }, { name = `w`; pivot = (1.0, 1.0);\n"
+                  "polygon = ((4.0, 0.0), (4.0, 4.0)); closed = false;",
+                  3.0, 1.0},
+                 {"polygon = ((4.0, 0.0), (4.0, 3.0), (0.0, 0.0));", 2.5, 1.0},
+                 {"circle = (7.0, 8.0, 1.5); sides = 5;", 7.0, 8.0},
+                 {"point = (3.0, 5.0); direction = (0.6, -0.8);", 3.0, 5.0},
+                 {"point = (3.0, 5.0); direction = (0.0, -1.0); extent = (`-inf`, 2.0);", 3.0, 5.0}};
+    static const char text[] =
+        "dt = 1.0e-3; gravity = (0.0, 0.0); normal = { k_n = 1.0; };\n"
+        "particles = ( { x = -50.0; y = -40.0; r = 0.1; fixed = true; } );\n"
+        "walls = ( { name = `w`; pivot = (1.0, 1.0); %s } );\n"
+        "phases = ( { name = `see`; steps = 1; }, { name = `go`; %s time = 1.0; }, { name = `end`; open = "
+        "`w`; steps = 1; } );\n"
+        "measure = ( { name = `x0`; of = `w.x`; at = `see`; }, { name = `y0`; of = `w.y`; at = `see`; },\n"
+        "  { name = `x1`; of = `w.x`; at = `go`; }, { name = `y1`; of = `w.y`; at = `go`; },\n"
+        "  { name = `x2`; of = `w.x`; }, { name = `y2`; of = `w.y`; } );\n";
+    for (size_t k = 0; k < sizeof walls / sizeof *walls; k++) {
+        const double x = walls[k].x, y = walls[k].y;
+        RUN_TRIAL(
+            t,
+            check_text(text, walls[k].sides, "walls = { w = { velocity = (1.0, 2.0); omega = `pi/2`; }; };"),
+            999, "no_number");
+        CHECK_EACH(measured(&t, NAME), 1e-9, {"x0", x}, {"y0", y}, {"x1", 3.0 - y}, {"y1", 2.0 + x});
+    }
+    RUN_TRIAL(lifted, check_text(text, check_text("%s open_speed = 1.0;", walls[1].sides), "open = `w`;"),
+              999, "ok");
+    CHECK_EACH(measured(&lifted, NAME), 1.1e-3, {"y0", 7.0}, {"x1", 2.0}, {"y1", 7.5}); /* of a step */
+}
+
+/* Gravity is at t that of t, for each integrator; a step has it at its middle, so that the way errs by the
+ * second order. One that turns has after n steps turned n times, the first before the first step. */
+static void test_gravity_of_time(void)
+{
+    static const char *const integrators[] = {"verlet", "gear5", "implicit"};
+    const double w = 30.0, G = 100.0, T = 0.1;
+    for (int k = 0; k < 3; k++) {
+        double error[2];
+        for (int fine = 0; fine < 2; fine++) {
+            scoped_trial t;
+            double g[2], at = 0.0;
+            start(&t,
+                  check_text("dt = %g; gravity = (1.0, 1.0); integrator = `%s`; normal = { law = `linear`; "
+                             "k_n = 1e3; };\n"
+                             "particles = ( { x = 0.0; y = 0.0; r = 0.1; m = 1.0; } );\n"
+                             "phases = ( { name = `sway`; gravity = (`100*sin(30*t)`, `-100*cos(30*t)`); "
+                             "time = 0.1; } );\n"
+                             "measure = ( { name = `xs`; of = `x`; }, { name = `vs`; of = `vx`; } );\n",
+                             fine ? 5e-4 : 1e-3, integrators[k]));
+            while (!exp_done(t.run)) {
+                CHECK_OK(exp_advance(t.run, 1));
+                dem_gravity(exp_sim(t.run), g);
+                at = dem_time(exp_sim(t.run));
+                const dem_state s = grains_state_of_one(exp_sim(t.run));
+                CHECK_PAIRS(1e-9, {g[0], G * sin(w * at)}, {g[1], -G * cos(w * at)}, {s.fx, g[0]},
+                            {s.fy, g[1]});
+            }
+            CHECK_NEAR(at, T, 1e-12);
+            error[fine] = measured(&t, "xs") - (G / w * T - G / (w * w) * sin(w * T));
+            CHECK_NEAR(measured(&t, "vs"), G / w * (1.0 - cos(w * T)), 1e-3 * G / w); /* (w dt)^2/24 */
+        }
+        CHECK_NEAR(error[0] / error[1], 4.0, 0.1);
+    }
+    dem_grain grain = {.r = 0.1, .m = 1.0};
+    dem_definition def = grains_of(1, &grain);
+    const double turn = 0.01, dt = def.dt;
+    def.turn_per_step = turn;
+    scoped_sim *sim = grains_after(&def, 1);
+    double g[2];
+    dem_gravity(sim, g);
+    CHECK_PAIRS(1e-9, {g[0], 981.0 * sin(turn)}, {g[1], -981.0 * cos(turn)});
+    CHECK_NEAR(grains_state_of_one(sim).x, dt * dt * g[0], 1e-9 * dt * dt * g[0]);
 }
 
 /* A grain on a plate that rises, stands, turns about its middle and stands again. */
@@ -1380,7 +1522,8 @@ static void test_random_texts(void)
 CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, test_windows,
                    test_rest_by_gravity, test_looks_at_rest, test_phases, test_known_so_far,
                    test_line_of_correlated, test_forces, test_surface_and_motion, test_walls,
-                   test_turned_walls, test_vibrated, test_modules, test_flanks_of_touching, test_avalanches,
+                   test_turned_walls, test_own_damping, test_places_of_walls, test_gravity_of_time,
+                   test_vibrated, test_modules, test_flanks_of_touching, test_avalanches,
                    test_limits_of_radii, test_windows_of_modules, test_more_modules, test_mean_grain,
                    test_refused_more, test_cuts, test_kept, test_where, test_started_at, test_words,
                    test_refused, test_keys, test_random_texts, test_run, test_resumed, test_swept,

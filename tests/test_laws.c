@@ -386,17 +386,21 @@ static void restitution_of_walls(void)
     p.restitution = 0.4;
     dem_physics_apply(&p, &def);
     const dem_normal_descriptor *law = &dem_normal_descriptors[DEM_LINEAR];
+    dem_material stiff = dem_material_auto;
+    stiff.k_s = 7.0, stiff.gamma_s = 8.0, stiff = dem_wall_material(&stiff, &p);
+    CHECK_PAIRS(0.0, {stiff.k_roll, 7.0}, {stiff.gamma_roll, 8.0}, {stiff.k_n, 2.0 * p.k_n});
     for (int choice = 0; choice < 3; choice++) {
         dem_material given = dem_material_auto;
         if (choice == 1) given.restitution = 0.7;
         if (choice == 2) given.gamma_n = 123.0;
         grains_on_floor(&def, 1, &grain);
-        def.walls[0].material = dem_wall_material(&given, &def.material);
+        def.walls[0].material = dem_wall_material(&given, &p);
         scoped_sim *sim = grains_start(&def);
         const dem_material *floor = &sim->def.walls[0].material, *grains = &sim->def.material;
         CHECK_NEAR(dem_restitution(true, law->damping_ratio(grains->k_n, grains->gamma_n, 0.002)), 0.4,
                    1e-12);
-        CHECK_PAIRS(0.0, {grains->gamma_s, grains->gamma_n / 100.0}, {floor->gamma_s, grains->gamma_s});
+        CHECK_PAIRS(0.0, {grains->gamma_s, grains->gamma_n / 100.0},
+                    {floor->gamma_s, floor->gamma_n / 100.0});
         if (choice == 2) CU_ASSERT(floor->gamma_n == 123.0);
         if (choice < 2)
             CHECK_NEAR(dem_restitution(true, law->damping_ratio(floor->k_n, floor->gamma_n, 0.004)),

@@ -191,8 +191,9 @@ dem_physics dem_physics_default(void);
 void dem_physics_apply(const dem_physics *p, dem_definition *def);
 dem_physics dem_physics_of(const dem_definition *def, double density);
 
-/* The coefficients of a wall: those given, and for negative ones the grains' times the factor of the list. */
-dem_material dem_wall_material(const dem_material *given, const dem_material *grains);
+/* The coefficients of a wall: those given; for negative ones the grains' times the factor of the list, or
+ * where these are "auto" too what follows from the wall's own. */
+dem_material dem_wall_material(const dem_material *given, const dem_physics *grains);
 extern const dem_material dem_material_auto; /* all negative */
 
 /* Refuse parameters that contradict one another: coefficients of the grains or a wall of a definition; those

@@ -125,6 +125,9 @@ static void put_scene(const writer *w, size_t end)
     scene.seed = scene.run = 0;
     for (size_t k = 0; k < scene.n_fills; k++) scene.fills[k].seed = scene.fills[k].run = 0;
     dem_scene_write(&scene, out);
+    for (const dem_contact *c = scene.def.contacts; c < scene.def.contacts + scene.def.n_contacts; c++)
+        fprintf(out, "spring %u %u %d %a %a\n", c->id_a, c->id_b, c->wall, c->shear_spring,
+                c->rolling_spring);
     fprintf(out, "rest %a %a %ld %ld\n", plan->rest.energy, plan->rest.force, plan->rest.looks,
             plan->rest.every);
     for (size_t k = 0; k < plan->n_regions; k++) {

@@ -322,13 +322,22 @@ static dem_wall_state wall_now(const exp_run *run, const exp_use *use, size_t k)
     return dem_wall_now(run->sim, run->plan->walls[use->scope.index].walls[k]);
 }
 
-/* Its pivot, which moves along; of a whole line its point. In the box, as places of grains. */
+/* The mean over its length, however it is cut into sides; where one has no end, the point of that. In the
+ * box, as places of grains. */
 static double wall_place(const exp_run *run, const exp_use *use, int component)
 {
-    const dem_wall_state w = wall_now(run, use, 0);
-    const bool line = isinf(w.ends[0]) && isinf(w.ends[1]);
-    double p[2];
-    memcpy(p, line ? w.point : w.pivot, sizeof p);
+    double p[2] = {0.0, 0.0}, length = 0.0;
+    for (size_t k = 0; k < run->plan->walls[use->scope.index].n; k++) {
+        const dem_wall_state w = wall_now(run, use, k);
+        double part = w.ends[1] - w.ends[0], middle = 0.5 * (w.ends[0] + w.ends[1]);
+        const bool endless = isinf(part);
+        if (endless) p[0] = p[1] = length = middle = 0.0, part = 1.0;
+        p[0] += part * (w.point[0] + middle * w.direction[1]);
+        p[1] += part * (w.point[1] - middle * w.direction[0]);
+        length += part;
+        if (endless) break;
+    }
+    p[0] /= length, p[1] /= length;
     dem_box_frame(run->sim, &p[0], &p[1]);
     return p[component];
 }
@@ -399,8 +408,8 @@ static double wall_force(exp_run *run, const exp_use *use, int component)
     X(OF_REGION, sxy, 0, 0, RP_X_NUMBER, "dyn/cm", "its mixed component, the mean of the two", over_contacts(run, use).xy / area_now(run, use)) \
     X(OF_REGION, syy, 0, 0, RP_X_NUMBER, "dyn/cm", "its component along y", over_contacts(run, use).yy / area_now(run, use)) \
     X(OF_REGION, fraction, 0, 0, RP_X_NUMBER, "", "area of the grains over that of the region; of those that its boundary cuts, the part within", content(run, use, false) / area_now(run, use)) \
-    X(OF_WALL, x, 0, 0, RP_X_NUMBER, "cm", "the wall's pivot, of a whole line its point", wall_place(run, use, 0)) \
-    X(OF_WALL, y, 0, 0, RP_X_NUMBER, "cm", "the wall's pivot, of a whole line its point", wall_place(run, use, 1)) \
+    X(OF_WALL, x, 0, 0, RP_X_NUMBER, "cm", "middle of the wall by its length, nan of one that is gone; of one without an end its point", wall_place(run, use, 0)) \
+    X(OF_WALL, y, 0, 0, RP_X_NUMBER, "cm", "middle of the wall by its length, nan of one that is gone; of one without an end its point", wall_place(run, use, 1)) \
     X(OF_WALL, vx, 0, 0, RP_X_NUMBER, "cm/s", "its velocity, in a box that turns 0", wall_now(run, use, 0).velocity[0]) \
     X(OF_WALL, vy, 0, 0, RP_X_NUMBER, "cm/s", "its velocity, in a box that turns 0", wall_now(run, use, 0).velocity[1]) \
     X(OF_WALL, angle, 0, 0, RP_X_NUMBER, "rad", "turned in the box since the start, counter-clockwise", wall_now(run, use, 0).angle) \

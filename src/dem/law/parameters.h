@@ -10,7 +10,8 @@
  *   ALSO       spellings that the range allows too
  *   AUTOMATIC  of a MATERIAL: value of "auto", from the other coefficients `m` of the same contact, and
  *              `rate`: gamma_n is in 1/s; negative for none
- *   WALL       of a MATERIAL: "auto" of a wall is this times the grains' coefficient
+ *   WALL       of a MATERIAL: "auto" of a wall is this times the grains' coefficient as given; where that is
+ *              "auto" too, AUTOMATIC of the wall's own
  * and of a choice, which is a SCENE, further members of its rp_param. */
 #ifndef DEM_PARAMETERS_H
 #define DEM_PARAMETERS_H

@@ -88,7 +88,8 @@ static const rp_param implicit_schema[] = {
 #define WALL_AUTO_OF(T, at, kind, type, name, key, unit, fallback, range, also, automatic, wall, ...)        \
     DEM_IF_MATERIAL(kind,                                                                                    \
                     {#name, unit, type, AT(T, at name), "auto", range " | auto",                             \
-                     "of this wall; auto: the grains', times " #wall}, )
+                     "of this wall; auto: the grains', times " #wall                                         \
+                     "; where that is auto too, by the wall's own"}, )
 #define OF_MATERIAL(...) WALL_AUTO(dem_material, , __VA_ARGS__)
 #define OF_ENTRY(...)    WALL_AUTO(dem_wall_entry, line.material., __VA_ARGS__)
 
