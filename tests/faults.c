@@ -31,8 +31,7 @@ static struct {
     pid_t process;
 } * due;
 
-/* The process has taken in its signals, and sleeps again. */
-static bool has_seen(pid_t process)
+bool fault_signals_seen(pid_t process)
 {
     char path[64], line[128], state = '?';
     unsigned long pending = 0, some;
@@ -56,7 +55,7 @@ static void send_when_due(const char *call, int file, const char *from, const ch
                        (from && strstr(from, due->part)) || (to && strstr(to, due->part));
     if (!meant || __atomic_sub_fetch(&due->left, 1, __ATOMIC_RELAXED) != 0) return;
     kill(due->process, due->signal);
-    while (due->process != getpid() && !has_seen(due->process)) usleep(1000);
+    while (due->process != getpid() && !fault_signals_seen(due->process)) usleep(1000);
 }
 
 void fault_signal(int signal, const char *part, long n)

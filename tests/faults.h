@@ -3,6 +3,7 @@
 #define FAULTS_H
 
 #include <stdbool.h>
+#include <sys/types.h>
 #include <time.h>
 
 typedef enum { FAULT_FORK, FAULT_SYNC, FAULT_WRITE, FAULT_SEND, FAULT_MALLOC, N_FAULTS } fault;
@@ -24,6 +25,9 @@ extern double fault_tick, fault_monotonic_tick;
 /* Called before each fsync (of a file), rename (from, to), unlink and rmdir (from); with a tick of the clock
  * also before each look at it ("clock"). */
 extern void (*fault_watch)(const char *call, int file, const char *from, const char *to);
+
+/* The process has taken in the signals that it got, and sleeps again, or is gone. */
+bool fault_signals_seen(pid_t process);
 
 /* From now on fault_watch sends a signal to this process before the n-th of the calls, of it or of a process
  * that it forks, that have `part` in the name of the call, the path of the file or its new one. Such

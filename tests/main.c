@@ -80,6 +80,14 @@ bool check_fast(void)
     return getenv("RP_CHECK_FAST") != NULL;
 }
 
+static const char SKIPPED[] = "  skipped ";
+static size_t skipped;
+
+void check_skip(const char *reason)
+{
+    fprintf(stderr, "%s%s: %s\n", SKIPPED, CU_get_current_test()->pName, reason);
+}
+
 bool check_full(void)
 {
     return full;
@@ -245,7 +253,10 @@ static bool finish(run *r, int status)
     sum->nAssertsFailed += r->summary->nAssertsFailed;
     sum->nFailureRecords += r->summary->nFailureRecords + !ended;
     rewind(r->output);
-    for (char line[4096]; fgets(line, sizeof line, r->output);) fputs(line, stdout);
+    for (char line[4096]; fgets(line, sizeof line, r->output);) {
+        skipped += strncmp(line, SKIPPED, sizeof SKIPPED - 1) == 0;
+        fputs(line, stdout);
+    }
     fclose(r->output);
     r->output = NULL;
     if (!ended)
@@ -326,7 +337,7 @@ int main(int argc, char **argv)
     const bool complete = run_all(runs, n, (size_t)jobs);
     sum->ElapsedTime = rp_clock() - begin;
     sum->nSuitesRun = CU_get_registry()->uiNumberOfSuites;
-    if (complete) CU_print_run_results(stdout), putchar('\n');
+    if (complete) CU_print_run_results(stdout), printf("\n%21s%7zu parts of tests\n", "skipped", skipped);
     bool good = complete && broken_registrations == 0 && sum->nTestsFailed == 0 &&
                 sum->nFailureRecords == 0 && sum->nTestsRun == registered && registered > 0;
     CU_cleanup_registry();

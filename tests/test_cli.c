@@ -60,7 +60,7 @@ static void check_commands(const cli_command *const *c)
 static void test_hardened(void)
 {
     static const char *const marks[] = {"DYN (Position-Independent", "GNU_RELRO", "BIND_NOW"};
-    if (check_fast()) return; /* sanitizers have flags of their own */
+    if (CHECK_SKIPS("sanitizers have flags of their own")) return;
     SHELL("readelf -hldW \"$REPOSE\" >out 2>err");
     for (size_t i = 0; i < sizeof marks / sizeof *marks; i++) CU_ASSERT_PTR_NOT_NULL(strstr(out, marks[i]));
 }
@@ -1670,7 +1670,7 @@ static void check_growth(int every)
  * their energy does not grow. */
 static void test_energy_growth(void)
 {
-    if (check_fast()) return; /* a long run: other runs of the program are shorter */
+    if (CHECK_SKIPS("a long run: other runs of the program are shorter")) return;
     write_text("s.cfg",
                "steps = 50000; dt = 1.097e-4; normal = { k_n = 1.0e6; gamma_n = 1e-9; };\n"
                "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },\n"

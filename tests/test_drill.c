@@ -215,10 +215,13 @@ static void test_kills(void)
         sent += kill(whom == 2 ? -driver : driver, signal_number) == 0 && ended.si_pid == 0;
         if (whom == 3) kill(driver, SIGCONT);
         const int end = end_of(driver);
-        CU_ASSERT(end == 0 || end == RP_NO_RESULT || end == RP_STOPPED || end == 128 + signal_number ||
-                  end == RP_IO);
+        const bool fatal = signal_number == SIGKILL || signal_number == SIGABRT;
+        CHECK_OR_SAY(end == RP_OK || end == 128 + signal_number || (end == RP_STOPPED && !fatal) ||
+                         (end == RP_NO_RESULT && whom == 1) || (end == RP_IO && second),
+                     "after signal %d, to %u: %d", signal_number, whom, end);
         if (second) end_of(second);
         CHECK_OK(sweep_status(dir, protocols, &c));
+        CU_ASSERT(end != RP_OK || c.stored == RUNS);
         if (c.stored < RUNS) continue;
         conclude();
         afresh();
@@ -239,8 +242,12 @@ static bool inject(fault kind, long call, bool persistent)
         _exit((int)(status ? status : drive((sweep_options){.patience = 1.0}, NULL)));
     }
     const int end = end_of(child);
-    CU_ASSERT(end == RP_OK || end == RP_NO_RESULT || end == RP_NO_MEMORY || end == RP_IO ||
-              end == RP_BAD_INPUT || end == 128 + SIGSEGV || end == 128 + SIGABRT);
+    /* libraries end a process without memory */
+    const bool expected = end == RP_OK || end == RP_NO_RESULT || end == RP_IO,
+               without =
+                   end == RP_NO_MEMORY || end == RP_BAD_INPUT || end == 128 + SIGSEGV || end == 128 + SIGABRT;
+    CHECK_OR_SAY(expected || (kind == FAULT_MALLOC && without), "fault %d of call %ld: %d", (int)kind, call,
+                 end);
     conclude();
     return end != RP_OK;
 }
@@ -276,13 +283,15 @@ static void check_aborted(conduct as, long times, sweep_options options, const c
     afresh();
 }
 
+/* Limits of time that a healthy worker keeps, however busy the machine is. */
+static const sweep_options impatient = {.patience = 2.0};
+
 static void test_hung_and_hungry(void)
 {
-    const sweep_options impatient = {.patience = 0.6};
     check_aborted(DIES, 99, impatient, "crashed");
     check_aborted(HANGS, 99, impatient, "crashed");
-    check_aborted(HANGS, 99, (sweep_options){.time = 0.5}, "time_limit");
-    check_aborted(SPINS, 99, (sweep_options){.time = 1.2, .patience = 0.6}, "time_limit"); /* it gets on */
+    check_aborted(HANGS, 99, (sweep_options){.time = 2.0}, "time_limit");
+    check_aborted(SPINS, 99, (sweep_options){.time = 4.0, .patience = 2.0}, "time_limit"); /* it gets on */
 #ifndef __SANITIZE_ADDRESS__
     check_aborted(HUNGRY, 99, (sweep_options){.memory = 400.0}, "no_memory");
 #endif
@@ -300,12 +309,11 @@ static void test_hung_and_hungry(void)
 /* Short runs go out in batches. The one that is bad, amid a batch, is blamed, and no other. */
 static void test_batches(void)
 {
-    const sweep_options impatient = {.patience = 0.6};
     shared->pace = 0;
     shared->bad_x = 2.0;
     shared->bad_run = 20;
     check_aborted(DIES, 99, impatient, "crashed");
-    check_aborted(HANGS, 99, (sweep_options){.time = 0.5}, "time_limit");
+    check_aborted(HANGS, 99, (sweep_options){.time = 2.0}, "time_limit");
 }
 
 /* A run that takes far longer than the others is named; it ends when it is. */
@@ -321,14 +329,15 @@ static void free_the_slow(void *context, const char *format, ...)
 static void test_slow_run(void)
 {
     char text[512] = "";
-    double median = NAN;
+    double median = NAN, slow = NAN;
     shared->pace = 20000; /* so long the others take at least */
     shared->as = SPINS;
     shared->times = 1;
     CHECK_OK(drive((sweep_options){.slow = 0.5, .report = free_the_slow, .context = text}, NULL));
-    CU_ASSERT(strncmp(text, "run 7 (x = 1): at work for ", 27) == 0);
+    CU_ASSERT(sscanf(text, "run 7 (x = 1): at work for %lf s", &slow) == 1);
     const char *others = strstr(text, "the median of the others is ");
-    CU_ASSERT(others && sscanf(others, "%*[^0-9]%lf", &median) == 1 && median >= 0.02 && median < 0.5);
+    CU_ASSERT(others && sscanf(others, "%*[^0-9]%lf", &median) == 1 && median >= 0.02);
+    CU_ASSERT(slow > 0.5 && slow > 99.0 * median); /* three digits of each */
     check_whole();
 }
 
@@ -348,24 +357,27 @@ static void test_stops(void)
 {
     pid_t driver = start_and_wait(SPINS);
     kill(driver, SIGTERM);
-    usleep(200000);
+    while (!fault_signals_seen(driver)) usleep(1000);
     shared->as = PLAIN;
     CU_ASSERT(end_of(driver) == RP_OK);
     check_whole();
     afresh();
+    fault_monotonic_tick =
+        0.01; /* one signal alone: ten seconds, which are then a thousand looks at the clock */
     driver = start_and_wait(HANGS);
+    fault_monotonic_tick = 0.0;
     const double begin = rp_clock();
     kill(driver, SIGTERM);
     kill(driver, SIGINT);
     CU_ASSERT(end_of(driver) == RP_STOPPED);
-    CU_ASSERT(rp_clock() - begin < 9.0); /* one alone: ten seconds */
+    CU_ASSERT(rp_clock() - begin < 40.0); /* four looks a second */
     conclude();
 }
 
 /* A worker that someone stops, and forgets. */
 static void test_stopped_worker(void)
 {
-    const pid_t driver = start_driver((sweep_options){.patience = 0.6});
+    const pid_t driver = start_driver(impatient);
     pid_t worker = 0;
     while (worker <= 0) worker = find_worker(driver);
     kill(worker, SIGSTOP);

@@ -175,7 +175,7 @@ static void draw_dips(gsl_rng *rng, double depth, double profiles[PILES * STRESS
  * and 0.1 of 1.25 is 4.6 of it: power 0.99; 0.05 is 2.3: 0.62, 0.02 is 0.91: 0.15. */
 static void planted_dips(void)
 {
-    if (check_fast()) return; /* numbers of code that other tests run under sanitizers */
+    if (CHECK_SKIPS("numbers of code that other tests run under sanitizers")) return;
     enum { ENSEMBLES = 200, DEPTHS = 4 };
     static const double depths[DEPTHS] = {0.0, 0.02, 0.05, 0.1};
     double profiles[PILES * STRESS_DIP_BINS], excess[PILES];

@@ -110,7 +110,7 @@ static void drum(void)
         "measure=( { name = \"balance\"; of = \"1 + drum.torque/(mass*g*x)\"; during = \"turn\"; } )";
     double theta_ms;
     const double angle = measured("drum.cfg", "turns=1", "angle_deg") * M_PI / 180.0;
-    if (check_fast()) return;
+    if (CHECK_SKIPS("a long run of code that others run")) return;
     scoped_table t =
         TABLE_OF("run examples/drum.cfg --set '%s' --set rotation=true --set turns=0.5", balance);
     CHECK_NEAR(cell(&t, 0, "value"), 0.0, 4.0 * cell(&t, 2, "value"));
@@ -136,7 +136,7 @@ static void cylinder(void)
 {
     const double slow = measured("cylinder.cfg", "v=1.0", "heap_mean_deg"),
                  fast = measured("cylinder.cfg", "v=8.0", "heap_mean_deg");
-    if (check_fast()) return;
+    if (CHECK_SKIPS("a long run of code that others run")) return;
     CHECK_PAIRS(2.0, {slow, 20.0}, {fast, 10.0});
 }
 
@@ -148,7 +148,7 @@ static void box(void)
                  rough = measured("box.cfg", "mu=0.5", "theta_r3_deg"),
                  full = measured("box.cfg", "opens=false", "height");
     leave();
-    if (check_fast()) return;
+    if (CHECK_SKIPS("a long run of code that others run")) return;
     CHECK_PAIRS(0.5, {theta, 12.0}, {rough, 22.0});
     CHECK_NEAR(full, 4.0, 0.1);
 }
@@ -199,7 +199,7 @@ static void biaxial(void)
                  high = measured("biaxial.cfg", "mu=0.5", "phi_deg"),
                  ratio = measured("biaxial.cfg", NULL, "ratio0"),
                  p = measured("biaxial.cfg", NULL, "pressure0");
-    if (check_fast()) return;
+    if (CHECK_SKIPS("a long run of code that others run")) return;
     CHECK_NEAR(ratio, 1.0, 0.1);
     CHECK_NEAR(p, 1.0, 0.15);
     CU_ASSERT(low > 5.0 && high > low + 3.0 && high < 26.6);

@@ -24,8 +24,7 @@ static bool readers(const char *words)
 static bool has(const char *command, const char *what)
 {
     const bool there = shell_line("{ %s; } >out 2>err", command) == 0;
-    if (!there)
-        fprintf(stderr, "export: not tested by %s, which is not installed (make check-readers)\n", what);
+    if (!there) check_skip(check_text("not by %s, which is not installed (make check-readers)", what));
     return there;
 }
 
@@ -794,7 +793,7 @@ static void test_readers(void)
 static void test_random_texts(void)
 {
     enum { TEXTS = 1000, A_TABLE = 50 };
-    if (check_fast()) return; /* Python's part has no sanitizers */
+    if (CHECK_SKIPS("Python's part has no sanitizers")) return;
     scoped_rng *rng = numbers_of(2385, 9);
     char text[NUMBERS_TEXT], file[NUMBERS_TEXT + 8];
     const char *const ends[] = {"xyz", "lammpstrj", "pvd", "in"}, *const formats[] = {"xyz", "lammps", "vtk",
@@ -850,7 +849,7 @@ static void test_random_texts(void)
 /* python/repose.py, and its example. */
 static void test_package(void)
 {
-    if (check_fast()) return; /* Python's part has no sanitizers */
+    if (CHECK_SKIPS("Python's part has no sanitizers")) return;
     char script[PATH_MAX];
     write_run();
     write_text(

@@ -461,7 +461,7 @@ static void test_drawn(void)
     char figure[64] = "";
     int number = 0;
     bool is_drawn = false, good_figure = true;
-    if (check_fast()) return; /* of gnuplot's work the sanitizers see nothing */
+    if (CHECK_SKIPS("of gnuplot's work the sanitizers see nothing")) return;
     size_t size;
     scoped char *described = file_read("tests/figures.txt", &size);
     enter();

@@ -175,7 +175,7 @@ static void check_run(const golden_run *g, unsigned long pile)
 
 static void test_protocols(void)
 {
-    if (check_fast()) return; /* the fingerprints run each protocol too */
+    if (CHECK_SKIPS("the fingerprints run each protocol too")) return;
     for (size_t i = 0; i < N_RUNS; i++)
         for (unsigned long pile = 0; pile < (*runs[i].hashed ? 1 : 2); pile++) check_run(&runs[i], pile);
     for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
@@ -371,7 +371,7 @@ static const struct {
 
 static void test_laws(void)
 {
-    if (check_fast()) return; /* the suite laws runs them */
+    if (CHECK_SKIPS("the suite laws runs them")) return;
     for (size_t k = 0; k < sizeof listed / sizeof *listed; k++)
         listed[k].check(listed[k].name, listed[k].value);
 }

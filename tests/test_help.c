@@ -181,7 +181,7 @@ static void test_help(void)
                              same[k][0], same[k][1], same[k][0], same[k][1]) == 0);
     /* that of a terminal, but for COLUMNS */
     if (shell("script -qec true typed </dev/null >out 2>err") != 0)
-        fprintf(stderr, "help: no terminal of script(1): its width is not tested\n");
+        check_skip("no terminal of script(1), whose width counts");
     else
         SHELL("export REPOSE; script -qec 'stty cols 100; $REPOSE calibrate --help; COLUMNS=70 $REPOSE "
               "calibrate --help' typed </dev/null >out; tr -d '\\r' <out >said; for c in 100 70; do "

@@ -131,7 +131,7 @@ static void test_headers(void)
     PASSES("${CC:-gcc} -std=c11 -Wall -Wextra -Wpedantic -Werror -fsyntax-only $(pkg-config --cflags repose) "
            "*.h.c");
     if (line_of("command -v g++")) {
-        fprintf(stderr, "install: no g++: headers in C++ are not checked\n");
+        check_skip("no g++: headers in C++");
     } else {
         PASSES("g++ -std=c++17 -Wall -Wextra -Wpedantic -Werror -fsyntax-only $(pkg-config --cflags repose) "
                "*.h.cpp");
@@ -248,7 +248,7 @@ static void test_manual(void)
            "*.1) cp $p page ;; *) ! command -v pandoc >have || $PREFIX/bin/repose help --markdown | "
            "pandoc -s -f markdown-smart -t man -o page ;; esac; done");
     if (line_of("test -e page && command -v groff"))
-        fprintf(stderr, "install: no pandoc or groff: the form of the manual page is not checked\n");
+        check_skip("no pandoc or groff: the form of the manual page");
     else
         PASSES(
             "groff -man -ww -z -Tutf8 page && test ! -s err && groff -man -Tascii -P-cbou page >read && "

@@ -161,14 +161,20 @@ static void check_scene_key(char *const bases[], const char *group, const rp_par
     const candidates c = find_candidates(p, p->fallback ? p->fallback : "");
     const bool words = p->type == RP_CHOICE;
     size_t matter = 0;
+    bool good = true;
     for (size_t k = 0; k < c.n && (words || matter == 0); k++) {
         bool differs = false;
         for (size_t s = 0; s < N_SCENES && !differs; s++)
             differs = scene_changes(s, bases[s], path, c.text[k]);
         matter += differs;
+        /* one word may be that of every scene, from which the others then differ: the default, or one that
+         * stands there */
+        bool stands = words && p->fallback && strcmp(c.text[k], p->fallback) == 0;
+        for (size_t s = 0; s < N_SCENES && words; s++)
+            stands |= strstr(scenes[s], check_text("%s = \"%s\"", p->name, c.text[k])) != NULL;
+        good &= !words || differs || stands;
     }
-    /* one word may be that of every scene; the others then differ from it */
-    const bool good = words ? matter + 1 >= c.n : matter > 0;
+    good &= words ? matter + 1 >= c.n : matter > 0;
     CHECK_OR_SAY(good, "%s.%s: %zu of %zu values change a scene", group, p->name, matter, c.n);
 }
 

@@ -474,7 +474,7 @@ static void test_outputs(void)
  * by tenths with rest of at least 5000 steps after each. */
 static void test_stands(void)
 {
-    if (check_fast()) return;
+    if (CHECK_SKIPS("a long run of code that others run")) return;
     static const char *const measures[] = {"theta_t=true", "theta_t_static=true"};
     for (int quasi_static = 0; quasi_static < 2; quasi_static++) {
         sweep_result result;

@@ -19,6 +19,7 @@
 #include "sweeps/engine/keep.h"
 #include "sweeps/engine/private.h"
 #include "sweeps/engine/physics.h"
+#include "tests/faults.h"
 #include "tests/protocol.h"
 #include "tests/folder.h"
 #include "tests/numbers.h"
@@ -546,10 +547,10 @@ static void count_calls(const sweep_progress *p, void *context)
 {
     size_t *calls = context;
     CU_ASSERT(p->planned == SLOW_RUNS && p->stored <= p->planned && p->failed == 0);
-    CU_ASSERT(isnan(p->left) ? p->elapsed < 1.0 : p->left >= 0.0);
+    CU_ASSERT(isnan(p->left) ? p->stored == stored_before : p->left >= 0.0);
     CU_ASSERT(p->stored < p->planned || p->left == 0.0);
     const double finished = (double)(p->stored - stored_before), left = (double)(p->planned - p->stored);
-    CU_ASSERT(p->elapsed >= 0.0 && p->elapsed < 100.0);
+    CU_ASSERT(p->elapsed >= 0.0 && isfinite(p->elapsed));
     if (finished > 0.0) CHECK_NEAR(p->left, p->elapsed * left / finished, 1e-12);
     if (++*calls == 3) raise(SIGINT); /* blocked: seen by the pool, not by this process */
 }
@@ -560,9 +561,7 @@ static void test_stop(void)
     made = shared_number();
     size_t calls = 0;
     sweep_options o = {.workers = 1, .watch = count_calls, .context = &calls};
-    const double begin = rp_clock();
     CHECK_FAILS(sweep_run(dir, toys, &o, &c), RP_STOPPED, " of 30 stored; run again to resume");
-    CU_ASSERT(rp_clock() - begin < 5.0); /* with the run of some milliseconds: nothing else is waited for */
     CU_ASSERT(stored() > 0 && c.stored < SLOW_RUNS);
     CU_ASSERT(c.stored == (size_t)*made);        /* the run that a worker was at has ended, and is there */
     CU_ASSERT(waitpid(-1, NULL, WNOHANG) == -1); /* no worker is left */
@@ -617,7 +616,7 @@ static void test_limits(void)
 static void test_within_limits(void)
 {
     planned("replicas = 2; fixed = { mode = \"sleep\"; };");
-    CHECK_OK(sweep_run(dir, toys, &(sweep_options){.workers = 2, .time = 1.2, .patience = 1.2}, &c));
+    CHECK_OK(sweep_run(dir, toys, &(sweep_options){.workers = 2, .time = 30.0, .patience = 30.0}, &c));
     CU_ASSERT(c.stored == 2 && c.failed == 0);
 }
 
@@ -1477,7 +1476,7 @@ static void check_columns(sqlite3_stmt *q, const sweep_plan *plan, size_t run)
     const double value = sqlite3_column_double(q, 9), seconds = sqlite3_column_double(q, 8);
     sum = XXH3_64bits_withSeed(&seconds, sizeof seconds, XXH3_64bits_withSeed("seconds", 7, sum));
     sum += XXH3_64bits_withSeed(&value, sizeof value, XXH3_64bits("y_deg", 5)); /* `never` adds nothing */
-    CU_ASSERT(sqlite3_column_int64(q, 10) == (sqlite3_int64)sum && seconds >= 0.0 && seconds < 10.0);
+    CU_ASSERT(sqlite3_column_int64(q, 10) == (sqlite3_int64)sum && seconds == 0.125);
     CU_ASSERT_STRING_EQUAL((const char *)sqlite3_column_text(q, 1), run % 2 ? "ok" : "ok_fixed_time");
     CU_ASSERT_STRING_EQUAL((const char *)sqlite3_column_text(q, 2), "");
     CU_ASSERT(strncmp((const char *)sqlite3_column_text(q, 3), "repose ", 7) == 0);
@@ -1488,7 +1487,9 @@ static void check_columns(sqlite3_stmt *q, const sweep_plan *plan, size_t run)
 static void test_stored_columns(void)
 {
     RP_ENDS(sweep_plan_free) sweep_plan plan;
+    fault_monotonic_tick = 0.125; /* a run has one look at the clock at its start, and one at its end */
     made_by(1, "replicas = 2; seed = 77; piles = \"shared\"; grid = { x = [0.125, -1.5]; };");
+    fault_monotonic_tick = 0.0;
     CHECK_OK(sweep_plan_read(file, toys, &plan));
     sqlite3_stmt *q = query("SELECT key, status, message, program, parameters, seed, model, pile, seconds, "
                             "y_deg, sum FROM runs ORDER BY run");

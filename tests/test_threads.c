@@ -131,7 +131,7 @@ static void snapshots(void)
 /* The program: tables of a run with one thread, with two, and of one stopped and resumed with three. */
 static void program(void)
 {
-    if (check_fast()) return; /* the suite runs threads in its own process */
+    if (CHECK_SKIPS("the suite runs threads in its own process")) return;
     enter();
     write_text("s.cfg", "steps = 400; dt = 1e-5; skin = 0.4; gravity = [0.0, -9.81e4];\n"
                         "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"

@@ -764,8 +764,8 @@ static void tilts(void)
 
 /* ---- The program */
 
-/* Exit status of `repose` with these arguments, killed after 60 s. */
-#define PROGRAM(format, ...) shell_line("timeout -s KILL 60 \"$REPOSE\" " format " >out 2>err", __VA_ARGS__)
+/* Exit status of `repose` with these arguments, killed after 60 s of processor time. */
+#define PROGRAM(format, ...) shell_line("ulimit -t 60; \"$REPOSE\" " format " >out 2>err", __VA_ARGS__)
 
 /* The answer is the message, or else the first cell of the table. */
 static void program_refuses(const char *name, int status, int expected, const char *part)

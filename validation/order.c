@@ -340,7 +340,7 @@ static void check_implicit(const law *p, const scheme *s, FILE *table, FILE *sum
 
 static void orders(void)
 {
-    if (check_fast()) return; /* numbers of code that other tests run under sanitizers */
+    if (CHECK_SKIPS("numbers of code that other tests run under sanitizers")) return;
     CHECK_TABLE(table, "order", "steps, dt [s], velocity_error, position_error, integration, case");
     CHECK_TABLE(summary, "order_fits",
                 "velocity_order, velocity_order_se, position_order, position_order_se, integration_order, "

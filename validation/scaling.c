@@ -92,7 +92,7 @@ static void one_factorisation(void)
 /* BLAS factorises from 20 000 disks on: repeated solutions have the same bits, and forces are exact. */
 static void large_pile(void)
 {
-    if (check_fast()) return;
+    if (CHECK_SKIPS("a long run of code that others run")) return;
     solved s = solve(201, 60, 0, 0), again = solve(201, 60, 0, 0);
     CU_ASSERT(s.n == 20301);
     check_forces(&s, 60);
@@ -105,7 +105,7 @@ static void large_pile(void)
  * of a pile two layers smaller, below the threshold for BLAS; the number grows no faster than the pile. */
 static void large_unstable_pile(void)
 {
-    if (check_fast()) return;
+    if (CHECK_SKIPS("a long run of code that others run")) return;
     solved small = solve(199, 60, 3e-6, 0), large = solve(201, 60, 3e-6, 0);
     const double modes = (double)small.result.negative_modes, more = (double)large.result.negative_modes;
     CU_ASSERT(small.n < 20000 && large.n > 20000);

@@ -412,7 +412,7 @@ static void map_radii(int scheme)
 
 static void largest_time_step(void)
 {
-    if (check_fast()) return; /* numbers of code that other tests run under sanitizers */
+    if (CHECK_SKIPS("numbers of code that other tests run under sanitizers")) return;
     table = check_table("stability",
                         "system [word], law [word], integrator [word], k_n [dyn/cm^1.5 or dyn/cm], "
                         "gamma_n [1/s], mass_ratio, radius_ratio, k_s [slope of the normal force], rotation, "

@@ -22,10 +22,10 @@ cell() {
 digest_of() { "$program" sweep digest "$1" | cut -f 1; }
 plan_of() { rm -rf "$2" && "$program" sweep plan "$work/sweeps/$1.cfg" -o "$2" >/dev/null; }
 
-# Killed again and again at other moments, until it is done.
+# Killed again and again at other moments, each eighth later by a second, until it is done.
 interrupted() {
     n=0
-    while ! timeout -s KILL 0.$((n % 7 + 1)) "$program" sweep run "$1" -j 2 >/dev/null 2>&1 && [ $n -lt 500 ]; do n=$((n + 1)); done
+    while ! timeout -s KILL $((n / 8)).$((n % 7 + 1)) "$program" sweep run "$1" -j 2 >/dev/null 2>&1 && [ $n -lt 500 ]; do n=$((n + 1)); done
 }
 
 echo "# protocol	cell	digest	verdict"
@@ -64,7 +64,7 @@ done
 n=1
 snap=$work/sweeps/snap
 set -- run "$work/sweeps/row/scene.cfg" -o "$snap" --snapshot 200
-until timeout -s KILL 0.$((n % 8 + 1)) "$program" "$@" >/dev/null 2>&1 || [ $n -gt 200 ]; do
+until timeout -s KILL $((n / 8)).$((n % 8 + 1)) "$program" "$@" >/dev/null 2>&1 || [ $n -gt 200 ]; do
     n=$((n + 1))
     set -- run "$work/sweeps/row/scene.cfg" --resume "$snap"
     [ -f "$snap/unfinished/snapshot" ] || set -- run "$work/sweeps/row/scene.cfg" -o "$snap" --snapshot 200
