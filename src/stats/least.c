@@ -35,17 +35,6 @@ static vertex between(const stats_minimum *m, const vertex *from, const vertex *
     return v;
 }
 
-/* The place of v[0 ... n] of which `least` of them are lower, or equal and earlier. */
-static size_t rank(const vertex v[], size_t n, size_t least)
-{
-    size_t at = 0;
-    for (size_t lower = n + 1; lower != least; at += lower != least) {
-        lower = 0;
-        for (size_t k = 0; k <= n; k++) lower += v[k].f < v[at].f || (v[k].f == v[at].f && k < at);
-    }
-    return at;
-}
-
 /* Downhill from y by a simplex (Nelder & Mead 1965); x and *value if that ends lower. */
 static void descend(const stats_minimum *m, const double cell[], const double y[], double x[], double *value)
 {
@@ -60,31 +49,33 @@ static void descend(const stats_minimum *m, const double cell[], const double y[
         v[++n] = between(m, &v[0], &to, 1.0);
     }
     for (int k = 0; k < 2000; k++) {
-        const size_t best = rank(v, n, 0), worst = rank(v, n, n), next = rank(v, n, n - 1);
-        vertex middle = {{0.0}}, *w = &v[worst];
+        vertex middle = {{0.0}}, *w = &v[n]; /* the worst, and the middle of the others */
         double size = 0.0;
+        for (size_t i = 1; i <= n; i++) /* the best first */
+            for (size_t j = i; j > 0 && v[j].f < v[j - 1].f; j--) {
+                const vertex higher = v[j - 1];
+                v[j - 1] = v[j], v[j] = higher;
+            }
         for (size_t p = 0; p < m->n; p++)
-            for (size_t i = 0; i <= n; i++) {
-                size = fmax(size, fabs(v[i].x[p] - v[best].x[p]) / cell[p]);
-                if (i != worst) middle.x[p] += v[i].x[p] / (double)n;
+            for (size_t i = 0; i < n; i++) {
+                size = fmax(size, fabs(v[i + 1].x[p] - v[0].x[p]) / cell[p]);
+                middle.x[p] += v[i].x[p] / (double)n;
             }
         if (size < 1e-9) break;
         const vertex mirrored = between(m, &middle, w, -1.0);
-        if (mirrored.f < v[best].f) {
-            const vertex farther = between(m, &middle, w, -2.0);
-            *w = farther.f < mirrored.f ? farther : mirrored;
-        } else if (mirrored.f < v[next].f) {
-            *w = mirrored;
-        } else {
-            const vertex nearer = between(m, &middle, w, mirrored.f < w->f ? -0.5 : 0.5);
-            const bool good = nearer.f < fmin(mirrored.f, w->f);
-            if (good) *w = nearer;
-            for (size_t i = 0; i <= n && !good; i++)
-                if (i != best) v[i] = between(m, &v[best], &v[i], 0.5);
+        const double part = mirrored.f < v[0].f       ? -2.0
+                            : mirrored.f < v[n - 1].f ? -1.0
+                            : mirrored.f < w->f       ? -0.5
+                                                      : 0.5;
+        const vertex other = between(m, &middle, w, part);
+        const vertex *lower = other.f < mirrored.f ? &other : &mirrored;
+        if (lower->f < w->f) {
+            *w = *lower;
+            continue;
         }
+        for (size_t i = 1; i <= n; i++) v[i] = between(m, &v[0], &v[i], 0.5);
     }
-    const vertex *best = &v[rank(v, n, 0)];
-    if (best->f < *value) *value = best->f, memcpy(x, best->x, m->n * sizeof *x);
+    if (v[0].f < *value) *value = v[0].f, memcpy(x, v[0].x, m->n * sizeof *x);
 }
 
 rp_status stats_least(const stats_minimum *m, double x[], double *value)
