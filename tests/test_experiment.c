@@ -586,7 +586,7 @@ static void test_resumed(void)
 static void test_swept(void)
 {
     write_trial("h.cfg", hopper);
-    write_text("s.cfg", "experiment = \"h.cfg\"; replicas = 3; seed = 5; set = [ \"rest.looks=9\" ];\n"
+    write_text("s.cfg", "experiment = \"h.cfg\"; replicas = 3; seed = 6; set = [ \"rest.looks=9\" ];\n"
                         "fixed = { mu = 0.25; }; grid = { D = [1.4, 1.6]; };\n");
     SHELL("sed -i 's/^regions/rest = { looks = 10; }; regions/' h.cfg");
     GOOD("sweep make s.cfg -o s --tables t -j 2 --quiet");
