@@ -62,7 +62,9 @@ static void test_column(void)
     double area = 0.0;
     CHECK_OK(dem_states(sim, states));
     for (size_t i = 0; i < dem_count(sim); i++) area += M_PI * states[i].r * states[i].r;
-    CHECK_NEAR(measured(&t, "area"), area, 1e-9);
+    const double beyond =
+        area - measured(&t, "area"); /* what walls and lid overlap, 0.1 radii deep at most */
+    CU_ASSERT(beyond > 0.0 && beyond < 0.01 * area);
 }
 
 /* Where none is, a grain has the restitution of the text, by its own mass. */
@@ -235,7 +237,7 @@ static const char rain[] =
     "  { name = `n2`; of = `grains`; at = `cloud`; },\n"
     "  { name = `lost`; of = `right.grains`; at = `cloud`; },\n"
     "  { name = `n3`; of = `grains`; at = `clear`; }, { name = `gone`; of = `out`; at = `clear`; },\n"
-    "  { name = `lost_mass`; of = `right.mass`; at = `cloud`; }, { name = `weighed`; of = "
+    "  { name = `lost_mass`; of = `right.whole_mass`; at = `cloud`; }, { name = `weighed`; of = "
     "`out_mass/lost_mass`; at = `clear`; },\n"
     "  { name = `own`; of = `stone.energy/(0.5*stone.mass*(stone.vx^2 + stone.vy^2))`; at = `rain`; },\n"
     "  { name = `stones`; of = `stone.grains`; } );\n";
@@ -316,15 +318,19 @@ static void test_base_order(void)
         "walls = ( { name = `base`; point = (0.0, -3.0); direction = (0.0, 1.0); } );\n"
         "fill = ( { pattern = `row`; W = 8.0; x0 = 1.0; y0 = -3.0; radius_width = 0.0; },\n"
         "  { pattern = `lattice`; W = 0.81; H = 0.56; x0 = 20.0; y0 = 30.0; radius_width = 0.0; } );\n"
-        "regions = { up = { y = (20.0, 40.0); }; low = { y = (-4.0, -2.0); }; };\n"
+        "regions = { up = { y = (20.0, 40.0); }; low = { y = (-4.0, -2.0); };\n"
+        "  one = { circle = (20.4, `30.1 + 0.1*sqrt(3)`, 0.15); }; };\n"
         "phases = ( { name = `start`; steps = 0; },\n"
         "  { name = `sink`; remove = `up`; damp = true; every = 10; until = `held(force < 1e-6*m*g, 2)`; } "
         ");\n"
         "measure = ( { name = `o`; of = `order`; in = `up`; at = `start`; },\n"
+        "  { name = `i`; of = `order`; in = `one`; at = `start`; optional = true; },\n"
         "  { name = `b`; of = `base`; wall = `base`; }, { name = `weight`; of = `low.mass*g`; } );\n";
     RUN_TRIAL(t, text, 1000, "ok");
     /* the middle one of rows of 4, 3 and 4 */
     CHECK_EACH(measured(&t, NAME), 1e-12, {"o_psi6", 1.0}, {"o_packed", 1.0 / 11.0});
+    /* it alone, with neighbours beside the region */
+    CHECK_EACH(measured(&t, NAME), 1e-12, {"i_psi6", 1.0}, {"i_packed", 1.0});
     CHECK_NEAR(measured(&t, "b_centroid"), 5.0, 1e-6);
     CHECK_NEAR(measured(&t, "b_load"), measured(&t, "weight"), 1e-5 * measured(&t, "weight"));
     CHECK_NEAR(measured(&t, "b_width"), 39.0 * 0.2, 0.05); /* 40 grains, less 1 % at both ends */

@@ -384,6 +384,7 @@ static double wall_force(exp_run *run, const exp_use *use, int component)
     X(OF_RUN, elastic, 0, 0, RP_X_NUMBER, "erg", "elastic energy of all contacts", elastic_energy(run)) \
     X(OF_PART, grains, 0, 0, RP_X_NUMBER, "", "number of grains, those of a region by their centres", SUM(n)) \
     X(OF_PART, mass, 0, 0, RP_X_NUMBER, "g", "their mass; of those that the boundary of a region cuts, the share of their area within", content(run, use, true)) \
+    X(OF_PART, whole_mass, 0, 0, RP_X_NUMBER, "g", "mass of the grains, those of a region by their centres", SUM(mass)) \
     X(OF_PART, energy, 0, 0, RP_X_NUMBER, "erg", "mean kinetic energy of a grain, of translation and spin, 0 without grains", rest_of(run, use).kinetic_energy) \
     X(OF_PART, kinetic, 0, 0, RP_X_NUMBER, "erg", "sum of the kinetic energies", SUM(kinetic)) \
     X(OF_PART, speed, 0, 0, RP_X_NUMBER, "cm/s", "largest speed of a centre", largest_speed(run, use)) \

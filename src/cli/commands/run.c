@@ -383,7 +383,8 @@ static void write_measures(const scene_run *r, FILE *out)
     for (size_t k = 0; k < n; k++) {
         fprintf(out, "%s\t", o[k].name);
         rp_table_numbers(out, 1, &exp_values(r->exp)[k]);
-        fprintf(out, "\t%s\t%s\n", cli_cell(o[k].unit), o[k].meaning);
+        fprintf(out, "\t%s\t%s%s\n", cli_cell(o[k].unit), o[k].meaning,
+                isnan(exp_values(r->exp)[k]) ? "; it has no value" : "");
     }
 }
 

@@ -141,8 +141,7 @@ dem_elastic dem_contact_elastic(const dem_sim *sim, size_t k)
     if (dem_has_spring(sim->def.tangential)) {
         double pull = contact.k_s * ds;
         if (sim->def.slip == DEM_TOTAL) pull = fmin(pull, r.mu * normal);
-        if (pull > 0.0)
-            energy.shear = pull * ds - 0.5 * pull * pull / contact.k_s; /* Mindlin's k_s may be 0 */
+        if (pull > 0.0) energy.shear = pull * ds - 0.5 * pull * pull / contact.k_s; /* k_s may be 0 */
     }
     return energy;
 }
