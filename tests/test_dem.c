@@ -1348,15 +1348,15 @@ static void limit_of_unequal(void)
             order[i] = grains[at];
         }
         dem_definition def = grains_bare(4, order, DEM_LINEAR, (dem_material){.k_n = k_n});
-        const char *what;
-        CHECK_NEAR(dem_time_step_limit(&def, &what) / (3.8 / sqrt(12.0 * k_n * (first + second))), 1.0,
+        dem_limit_name what;
+        CHECK_NEAR(dem_time_step_limit(&def, what) / (3.8 / sqrt(12.0 * k_n * (first + second))), 1.0,
                    1e-14);
-        CU_ASSERT_STRING_EQUAL(what, "two of the lightest grains");
+        CU_ASSERT_STRING_EQUAL(what, "impacts of two of the lightest grains");
         def.tangential =
             DEM_SPRING; /* shear at the edges of a packing's cell of wave numbers, and in its corners */
         for (int corner = 0; corner < 2; corner++) {
             def.material.k_s = (corner ? 0.9 : 0.3) * k_n;
-            CHECK_NEAR(dem_time_step_limit(&def, &what) /
+            CHECK_NEAR(dem_time_step_limit(&def, what) /
                            (3.8 / sqrt(12.0 * (corner ? 0.75 * 1.9 : 1.1) * k_n * (first + second))),
                        1.0, 1e-14);
         }
@@ -1365,17 +1365,17 @@ static void limit_of_unequal(void)
         def.walls[k % 2] = grains_line(0.0, -1.0, 0.0, 1.0, &def.material);
         def.walls[!(k % 2)] = def.walls[k % 2];
         def.walls[k % 2].material.k_n = 3.0 * k_n;
-        CHECK_NEAR(dem_time_step_limit(&def, &what) / (3.8 / sqrt(36.0 * k_n * first)), 1.0, 1e-14);
-        CU_ASSERT_STRING_EQUAL(what, "the lightest grain at a wall");
+        CHECK_NEAR(dem_time_step_limit(&def, what) / (3.8 / sqrt(36.0 * k_n * first)), 1.0, 1e-14);
+        CU_ASSERT_STRING_EQUAL(what, check_text("impacts of the lightest grain at wall %d", k % 2 + 1));
         def.n_walls = 0;
         for (int i = 0; i < 4; i++) order[i].fixed = order[i].r != 0.2;
-        CHECK_NEAR(dem_time_step_limit(&def, &what) /
+        CHECK_NEAR(dem_time_step_limit(&def, what) /
                        (3.8 / sqrt(12.0 * k_n * M_PI / 6.0 / asin(1.0 / 3.0) / 0.003)),
                    1.0, 1e-14);
         for (int i = 0; i < 4; i++) order[i].fixed = true;
-        CU_ASSERT(isinf(dem_time_step_limit(&def, &what)) && strcmp(what, "no contact") == 0);
+        CU_ASSERT(isinf(dem_time_step_limit(&def, what)) && strcmp(what, "no contact") == 0);
         order[0].fixed = false, def.n_grains = 1; /* alone */
-        CU_ASSERT(isinf(dem_time_step_limit(&def, &what)) && strcmp(what, "no contact") == 0);
+        CU_ASSERT(isinf(dem_time_step_limit(&def, what)) && strcmp(what, "no contact") == 0);
     }
 }
 
@@ -1526,10 +1526,10 @@ static void header_notes(void)
     dem_collision_result c;
     CHECK_OK(dem_collision(
         &(dem_head_on){DEM_HERTZ, true, def.material.k_n, def.material.gamma_n, m_eff, 60.0}, &c));
-    const char *what;
-    const double limit = dem_time_step_limit(&def, &what);
+    dem_limit_name what;
+    const double limit = dem_time_step_limit(&def, what);
     const char *const expected[] = {
-        check_text("dt = 5e-05 s; limit %.3g s, set by %s", limit, what),
+        check_text("dt = 5e-05 s; limit %s s, set by %s", rp_text_below(limit, (char[32]){0}), what),
         check_text("sticking speed: %.3g cm/s", dem_normal_descriptors[DEM_HERTZ].sticking_speed(
                                                     def.material.k_n, def.material.gamma_n, m_eff)),
         check_text("E* = %.3g dyn/cm^2", 0.75 * def.material.k_n / sqrt(0.5 * r)),
