@@ -1227,7 +1227,7 @@ static void time_step_limit(void)
     CHECK_NEAR(dem_time_step_limit(&def, NULL) / limit, 0.25, 1e-2); /* gamma_s stays */
     /* with little damping, more than where nothing damps, and less than what is stable */
     double before = 0.0;
-    for (double gamma = 0.0; gamma < 1e4; gamma = 4.0 * gamma + 1.0) {
+    for (double gamma = 0.0; gamma < 300.0; gamma = 4.0 * gamma + 1.0) {
         def.material.gamma_n = gamma;
         for (int w = 0; w < 3; w++) def.walls[w].material.gamma_n = gamma;
         const double now = dem_time_step_limit(&def, NULL);
@@ -1419,7 +1419,7 @@ static void limit_is_named(void)
         dem_material c;
         const char *name;
     } cases[] = {
-        {{.k_n = 1e6, .gamma_n = 1e4, .mu = 0.2}, "impacts of two"},
+        {{.k_n = 1e6, .gamma_n = 3e3, .mu = 0.2}, "impacts of two"},
         {{.k_n = 1e6, .mu = 0.2}, "little damped impacts of two"},
         {{.k_n = 1e4, .k_s = 1e8, .gamma_n = 1e3, .mu = 0.2}, "k_s of two"},
         {{.k_n = 1e4, .gamma_n = 1e7, .mu = 0.2}, "gamma_n of two"},
@@ -1432,16 +1432,19 @@ static void limit_is_named(void)
         dem_definition def = grains_afloat(2, grains);
         dem_limit_name what;
         scoped_sim *sim = NULL;
-        const dem_material c = cases[k / 2].c;
+        dem_material c = cases[k / 2].c;
+        c.k_s = fmax(c.k_s, 1.0), c.k_roll = fmax(c.k_roll, 1.0);
         def.normal = DEM_LINEAR, def.rotation = true, def.n_walls = 2 * (k % 2), def.material = c;
         def.walls[0] = def.walls[1] = grains_line(-1.0, 0.0, 1.0, 0.0, &def.material);
-        if (k % 2) def.material = (dem_material){.k_n = 1.0, .gamma_n = 1.0, .mu = 0.2};
+        def.walls[1].direction[0] = 0.0, def.walls[1].direction[1] = 1.0;
+        if (k % 2)
+            def.material = (dem_material){.k_n = 1.0, .gamma_n = 1.0, .k_s = 1.0, .k_roll = 1.0, .mu = 0.2};
         if (k % 2) def.walls[0].material = def.material;
         const double limit = dem_time_step_limit(&def, what);
         const char *name = check_text("%.*s", (int)(strlen(cases[k / 2].name) - 3), cases[k / 2].name);
         const char *of =
             check_text(k % 2 ? "%sthe lightest grain at wall 2" : "%stwo of the lightest grains", name);
-        CU_ASSERT_STRING_EQUAL(what, of);
+        CHECK_OR_SAY(strcmp(what, of) == 0, "%s instead of %s", what, of);
         def.dt = 1.01 * limit;
         CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, of);
     }

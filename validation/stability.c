@@ -594,20 +594,18 @@ static double brought_in(int law, int scheme, double damping, double shear, doub
     dem_definition def = grains_box(N, 2.0, run, &grains);
     const double k_n = law == DEM_LINEAR ? 1e5 : 1e6,
                  k = slope_of(&(stability_case){.law = law, .k_n = k_n}, 0.01);
-    for (int i = 0; i < N && lattice; i++) {
-        const int row = i / 10, of = i % 10;
-        if (of == 9 && row % 2)
-            grains[i].r = 0.05, grains[i].x = 0.5, grains[i].y = 3.0;
-        else
-            grains[i].r = R, grains[i].x = R * (1 + 2 * of + row % 2),
-            grains[i].y = R * (4.0 + sqrt(3.0) * row);
-        grains[i].m = dem_mass(DEM_SPHERE, 1.0, grains[i].r);
+    for (int i = 0; i < N && lattice; i++) { /* rows of ten and nine */
+        const int odd = i % 19 > 9, row = 2 * (i / 19) + odd, of = i % 19 - 10 * odd;
+        grains[i] = (dem_grain){
+            .x = R * (1 + 2 * of + odd), .y = R * (4.0 + sqrt(3.0) * row), .r = 0.999 * R, .m = M};
     }
     def.normal = law, def.integrator = scheme, def.ledger = true, def.tension = false;
     def.damping = inside ? DEM_DAMPING_INSIDE : DEM_DAMPING_OUTSIDE;
     def.tangential = shear > 0.0 ? DEM_SPRING : DEM_NONE;
-    def.material =
-        (dem_material){.k_n = k_n, .gamma_n = damping * sqrt(k / (0.5 * M)), .k_s = shear * k, .mu = 0.5};
+    def.material = (dem_material){.k_n = k_n,
+                                  .gamma_n = damping * sqrt(k / (0.5 * M)),
+                                  .k_s = shear * k,
+                                  .mu = shear > 0.0 ? 0.5 : 0.0};
     for (size_t w = 0; w < def.n_walls; w++) def.walls[w].material = def.material;
     def.dt = 0.99 * dem_time_step_limit(&def, NULL);
     scoped_sim *sim = grains_start(&def);

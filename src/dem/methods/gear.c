@@ -109,14 +109,13 @@ static double step_limit(const dem_definition *def, dem_rates rates, dem_load lo
     return dem_half_step_limit(rates, 0.85);
 }
 
-/* Undamped impacts gain 0.36 (omega dt)^6 of their energy in the mean, with any law. Of what beds and
- * lattices that fall bear: a linear spring, as stiff at once, less, and least where springs stick and slip.
- */
+/* Undamped impacts gain 0.36 (omega dt)^6 of their energy in the mean, with any law, where damping takes pi
+ * gamma/omega. Of what beds and lattices that fall bear; with a linear spring, as stiff at once, less, and
+ * least where springs stick and slip. */
 static double impact_limit(const dem_definition *def, double damping, double shear)
 {
-    const double much =
-        dem_normal_descriptors[def->normal].constant_stiffness ? 0.15 / (1.0 + 6.0 * fmin(shear, 1.0)) : 0.5;
-    return rp_pow(much * damping, 1.0 / 6.0);
+    const bool constant = dem_normal_descriptors[def->normal].constant_stiffness;
+    return rp_pow((constant ? 1.5 / (1.0 + fmin(shear, 1.0)) : 3.2) * damping, 1.0 / 3.0);
 }
 
 const dem_scheme dem_scheme_gear5 = {
