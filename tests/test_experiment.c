@@ -1384,6 +1384,62 @@ static void test_windows_of_modules(void)
                {"f_right_deg", atan(0.375 / 0.4) * 180.0 / M_PI});
 }
 
+/* dt_limit means the same at walls, as stiff as they are and however they move, and in a well: the limit of
+ * grains that come at this speed. */
+static void test_limits_at_walls(void)
+{
+    static const char *const walls[] = {
+        "walls = ( { point = (0.0, -1.0); direction = (0.0, 1.0); k_n = 1e8; } );",
+        "walls = ( { point = (0.0, -1.0); direction = (0.0, 1.0); gamma_n = 1e5; } );",
+        "walls = ( { name = `lid`; polygon = ( (-1.0, -1.0), (1.0, -1.0) ); closed = false; velocity = (0.0, "
+        "%s); } );",
+        "walls = ( { point = (0.0, -1.0); direction = (0.0, 1.0); } ); tangential = { law = `slip_roll`; };"
+        "ground = { wall = 1; mu_static = 0.9; a = 1e-5; };"};
+    for (size_t k = 0; k < sizeof walls / sizeof *walls; k++)
+        for (int above = 0; above < 2; above++) {
+            scoped_trial t;
+            CHECK_OK(
+                read_text(&t, check_text("dt = `%s*dt_limit(80)`; gravity = (0.0, 0.0); particles = ( { x "
+                                         "= 0.0; y = 0.0; r = 0.1; vx = %s; } );\n%s\n"
+                                         "phases = ( { name = `a`; steps = 1; } );\n",
+                                         above ? "1.0001" : "0.9999", k == 2 ? "0.0" : "40.0",
+                                         check_text(walls[k], "40.0"))));
+            CU_ASSERT(exp_check(t.plan) == (above ? RP_BAD_INPUT : RP_OK));
+        }
+}
+
+/* A refusal prints the least limit of all phases, rounded down: typed in, it is taken. */
+static void test_printed_limits(void)
+{
+    static const double speeds[] = {3.0, 130.0, 777.0, 2345.0, 40000.0};
+    for (size_t k = 0; k < sizeof speeds / sizeof *speeds; k++)
+        for (int later = 0; later < 2; later++) {
+            const char *dt = "1e-3";
+            for (int typed = 0; typed < 2; typed++) {
+                scoped_trial t;
+                CHECK_OK(read_text(
+                    &t,
+                    check_text(
+                        "dt = %s; gravity = (0.0, %s); particles = ( { x = 0.0; y = 0.0; r = 0.1; } "
+                        ");\n walls = ( { name = `plate`; polygon = ( (-1.0, 2.0), (-1.0, -2.0) ); closed = "
+                        "false; } );\n phases = ( { name = `a`; steps = 1; walls = { plate = { velocity = "
+                        "(1.0, 0.0); }; }; }, { name = `b`; steps = 1; %s } );\n",
+                        dt, later ? "-1.0" : "0.0",
+                        check_text(later ? "gravity = (0.0, -%g);"
+                                         : "walls = { plate = { velocity = (%g, 0.0); }; };",
+                                   speeds[k] * (later ? speeds[k] : 1.0)))));
+                if (typed) {
+                    CHECK_OK(exp_check(t.plan));
+                    break;
+                }
+                CHECK_FAILS(exp_check(t.plan), RP_BAD_INPUT, "phase b: ");
+                const char *limit = strstr(rp_message(), later ? "limit is " : "dt <= ");
+                CU_ASSERT_PTR_NOT_NULL_FATAL(limit);
+                dt = check_text("%.*s", (int)strcspn(limit + (later ? 9 : 6), " ,"), limit + (later ? 9 : 6));
+            }
+        }
+}
+
 /* The base of a pile on grains that never move; names with an own beginning; a flank ends at a gap. */
 static void test_more_modules(void)
 {
@@ -1628,8 +1684,9 @@ CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, te
                    test_line_of_correlated, test_line_without_error, test_shares, test_one_without_value,
                    test_forces, test_surface_and_motion, test_walls, test_turned_walls, test_own_damping,
                    test_places_of_walls, test_gravity_of_time, test_vibrated, test_modules,
-                   test_flanks_of_touching, test_avalanches, test_limits_of_radii, test_windows_of_modules,
-                   test_more_modules, test_mean_grain, test_refused_more, test_cuts, test_kept, test_where,
-                   test_started_at, test_words, test_refused, test_keys, test_random_texts, test_run,
-                   test_resumed, test_swept, test_shared_ends, test_other_measures, test_other_texts,
-                   test_other_snapshots, test_sweeps_refused, test_slow_turns, test_computed_again)
+                   test_flanks_of_touching, test_avalanches, test_limits_of_radii, test_limits_at_walls,
+                   test_printed_limits, test_windows_of_modules, test_more_modules, test_mean_grain,
+                   test_refused_more, test_cuts, test_kept, test_where, test_started_at, test_words,
+                   test_refused, test_keys, test_random_texts, test_run, test_resumed, test_swept,
+                   test_shared_ends, test_other_measures, test_other_texts, test_other_snapshots,
+                   test_sweeps_refused, test_slow_turns, test_computed_again)

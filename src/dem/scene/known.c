@@ -94,9 +94,10 @@ rp_status dem_know(void *host, rp_let_constant which, double *value)
     return which == RP_LET_M && !fill ? mean_mass(member(root, "particles"), &scene, value) : RP_OK;
 }
 
-/* The largest step for impacts at v of two such grains, and of one at the walls, by density if without a mass,
- * where it is below *least. `r`: the radius of the mean grain, 0: the same. */
-static void limit_of(dem_scene *scene, double v, dem_grain grain, double density, double r_mean, double *least)
+/* The largest step for impacts at v of two such grains, and of one at the walls, by density if without a
+ * mass, where it is below *least. `r`: the radius of the mean grain, 0: the same. */
+static void limit_of(dem_scene *scene, double v, dem_grain grain, double density, double r_mean,
+                     double *least)
 {
     dem_definition *def = &scene->def;
     const double r = grain.r, m = grain.m > 0.0 ? grain.m : dem_mass(scene->laws.physics.shape, density, r);

@@ -113,10 +113,9 @@ static contact_laws laws_at(const dem_definition *def, const dem_material *c, co
         roll.gamma = roll.mu * dem_law_elastic(def->normal, scaled, overlap) / of.m_eff;
     const bool shear = dem_has_friction(def->tangential), spring = dem_has_spring(def->tangential),
                rolls = shear && c->mu_roll > 0.0;
-    return (contact_laws){
-        {law->stiffness(scaled, overlap), spring ? slider.k : 0.0, rolls ? roll.k : 0.0},
-        {law->damping_rate(scaled, c->gamma_n, of.m_eff, overlap), shear ? slider.gamma : 0.0,
-         rolls ? roll.gamma : 0.0}};
+    return (contact_laws){{law->stiffness(scaled, overlap), spring ? slider.k : 0.0, rolls ? roll.k : 0.0},
+                          {law->damping_rate(scaled, c->gamma_n, of.m_eff, overlap),
+                           shear ? slider.gamma : 0.0, rolls ? roll.gamma : 0.0}};
 }
 
 /* A limit, and what sets it. */
@@ -129,9 +128,8 @@ static double stable_step(const dem_definition *def, const contact_laws *laws, c
 {
     const double turns = def->rotation ? 1.0 / dem_inertia(def->shape, 1.0, 1.0) : 0.0, *k = laws->k,
                  *gamma = laws->gamma;
-    const dem_rates rates = {
-        .gamma = of.coordination * packing_sum(gamma[0], gamma[1], gamma[2], turns),
-        .omega2 = of.coordination / of.m_eff * packing_sum(k[0], k[1], k[2], turns)};
+    const dem_rates rates = {.gamma = of.coordination * packing_sum(gamma[0], gamma[1], gamma[2], turns),
+                             .omega2 = of.coordination / of.m_eff * packing_sum(k[0], k[1], k[2], turns)};
     const dem_scheme *scheme = dem_schemes[def->integrator];
     return scheme->step_limit ? scheme->step_limit(def, rates, load) : INFINITY;
 }
@@ -159,7 +157,8 @@ static void lower(step_bound t, step_bound *limit)
 }
 
 /* Largest time step for impacts at speed v, and for a contact at rest under a column as high as v is fallen
- * from, of grains of radius r. Energy is that of the many, pairs of mass m_mean. */
+ * from, of grains of radius r. Energy is that of the many, whose m_eff is m_mean, or of 2.5 times the
+ * lightest. */
 static step_bound speed_step_limit(const dem_definition *def, const dem_material *c, contact_pair of,
                                    double m_mean, double r, double v)
 {
@@ -171,16 +170,18 @@ static step_bound speed_step_limit(const dem_definition *def, const dem_material
     lower(contact_step_limit(def, c, of, rest, DEM_AT_REST), &limit);
     const dem_scheme *scheme = dem_schemes[def->integrator];
     if (!(v > 0.0) || def->hard.on || !scheme->impact_limit) return limit;
-    const double grown = fmax(m_mean / of.m_eff, 1.0);
+    const double grown = fmin(fmax(m_mean / of.m_eff, 1.0), 2.5);
     of.m_eff *= grown, of.r_eff *= rp_pow(grown, 1.0 / 3.0);
     const double deepest = law->impact_overlap(law->scale(c->k_n, of.r_eff), of.m_eff, v);
     const contact_laws laws = laws_at(def, c, of, deepest);
+    lower(contact_step_limit(def, c, of, law->rest_overlap(law->scale(c->k_n, of.r_eff), grown * weight),
+                             DEM_OF_MANY),
+          &limit);
     const double omega = sqrt(laws.k[0] / of.m_eff);
     /* Without damping, the error of an impact's energy stays below 1 % if the way to the deepest point would
      * take five steps at the first speed. */
-    lower((step_bound){fmax(impact / (5.0 * v), scheme->impact_limit(def, laws.gamma[0] / omega,
-                                                                      laws.k[1] / laws.k[0]) /
-                                                    omega),
+    lower((step_bound){fmax(impact / (5.0 * v),
+                            scheme->impact_limit(def, laws.gamma[0] / omega, laws.k[1] / laws.k[0]) / omega),
                        "little damped impacts"},
           &limit);
     return limit;

@@ -15,8 +15,8 @@ typedef struct {
 } dem_rates;
 
 /* Contacts of which a time step limit is asked: an impact to come, a contact at rest under a column of
- * grains, a contact that the start has. */
-typedef enum { DEM_AT_IMPACT, DEM_AT_REST, DEM_AT_START } dem_load;
+ * grains, of the lightest or of the many, a contact that the start has. */
+typedef enum { DEM_AT_IMPACT, DEM_AT_REST, DEM_OF_MANY, DEM_AT_START } dem_load;
 
 /* Parts of a contact's force on its first grain, which add up to it: along n, which is shorter than 1 where a
  * pair turns in the step; along s; of rolling at its arm. */
