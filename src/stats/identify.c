@@ -40,6 +40,7 @@ typedef struct {
     double value[STATS_NUMBERS], error[STATS_NUMBERS]; /* what is looked for */
     double widest[STATS_NUMBERS];                      /* error of the form, where something agrees */
     double sum_lo, sum_hi;                             /* the combination, where the profiles agree */
+    double ends[2][STATS_NAMES];                       /* first and last place of a profile that agrees */
     size_t skipped;                                    /* point that is left out, or SIZE_MAX */
     rp_arena arena;
 } search;
@@ -91,7 +92,7 @@ static bool asks_for(const form *less, double chi2, const form *f, double least,
     const double more = (double)(less->n_terms - f->n_terms);
     if (f->n_terms == 0 || is_usual) return f->n_terms == 0 || dof == 0.0 || chi2 + 2.0 * more < least;
     return gsl_cdf_fdist_Q((least - chi2) / more / (dof > 0.0 ? 1.0 : chi2 / left), more,
-                           dof > 0.0 ? dof : left) < 0.05;
+                           dof > 0.0 ? dof : left) < REJECTED;
 }
 
 /* Least squares over the points of the box that have the number. The variance of one run is that of runs at
@@ -233,7 +234,10 @@ static rp_status pass(search *s, size_t p, const double best[], double inside, d
 static rp_status intervals_of(search *s, size_t p, const stats_answer *a, double limit,
                               stats_interval out[STATS_INTERVALS], size_t *n)
 {
-    double at[ALL_NODES], chi2[ALL_NODES], lowest = INFINITY;
+    double at[ALL_NODES], chi2[ALL_NODES], lowest = INFINITY, shared = 0.0;
+    for (size_t i = 0; i < s->q->n_names; i++) /* correlation of name and combination */
+        shared += a->weight[i] * a->correlation[i][p] * a->se[i] / a->sum_error;
+    const double apart = a->sum_error * sqrt(fmax(1.0 - shared * shared, 0.0));
     const size_t nodes = place_nodes(s, p, a->x[p], a->se[p], at);
     *n = 0;
     for (size_t k = 0; k < nodes; k++) {
@@ -241,7 +245,9 @@ static rp_status intervals_of(search *s, size_t p, const stats_answer *a, double
         memcpy(y, a->x, sizeof y), chi2[k] = a->chi2;
         if (at[k] != a->x[p]) RP_TRY(least(s, p, at[k], a->x, y, &chi2[k]));
         const bool in = chi2[k] <= limit, was = k > 0 && chi2[k - 1] <= limit;
-        const double half = in ? sqrt(limit - chi2[k]) * a->sum_error : -INFINITY;
+        if (in) memcpy(s->ends[1], y, sizeof y);
+        if (in && *n == 0) memcpy(s->ends[0], y, sizeof y);
+        const double half = in ? sqrt(limit - chi2[k]) * apart : -INFINITY;
         for (size_t i = 0; i < s->q->n_names; i++) sum += a->weight[i] * y[i];
         s->sum_lo = fmin(s->sum_lo, sum - half), s->sum_hi = fmax(s->sum_hi, sum + half);
         if (in && !was) { /* the last takes what is beyond */
@@ -316,8 +322,9 @@ static void take_errors(const search *s, stats_answer *a)
     const double unit = axis[first * p + most] / range[first];
     a->sum = 0.0;
     for (size_t i = 0; i < p; i++) {
-        a->weight[i] = axis[i * p + most] / range[i] / unit;
-        if (fabs(axis[i * p + most]) < 0.05 * fabs(largest)) a->weight[i] = 0.0;
+        const double exact = axis[i * p + most] / range[i] / unit,
+                     digit = pow(10.0, floor(log10(fabs(exact))) - 3.0); /* as it is printed */
+        a->weight[i] = fabs(axis[i * p + most]) < 0.05 * fabs(largest) ? 0.0 : digit * round(exact / digit);
         a->sum += a->weight[i] * a->x[i];
     }
     a->sum_error = 1.0 / sqrt(fmax(power[most], 1e-300)) / fabs(unit);
@@ -348,17 +355,20 @@ static rp_status invert(search *s, bool intervals, stats_answer *a)
     RP_TRY(least(s, SIZE_MAX, 0.0, NULL, a->x, &a->chi2));
     take_errors(s, a);
     s->sum_lo = INFINITY, s->sum_hi = -INFINITY;
+    double widest = 0.0;
     for (size_t p = 0; p < s->q->n_names && intervals; p++) {
         stats_interval *const of = a->interval[p];
         RP_TRY(intervals_of(s, p, a, a->chi2 + limit, of, &a->n_intervals[p]));
+        const double wide = (s->ends[1][p] - s->ends[0][p]) / (s->q->hi[p] - s->q->lo[p]);
+        if (wide >= widest) widest = wide, memcpy(a->ends, s->ends, sizeof a->ends);
         for (size_t k = 0; k < a->n_intervals[p]; k++)
             if (of[k].lower <= a->x[p] && of[k].upper >= a->x[p]) a->own[p] = of[k];
     }
     if (!intervals) return RP_OK;
     /* what agrees may bend: then the sum varies along it, and the slopes at the best place don't tell */
-    const double error = 0.5 * (s->sum_hi - s->sum_lo) / sqrt(limit);
+    const double error = fmax(s->sum_hi - a->sum, a->sum - s->sum_lo) / sqrt(limit);
     a->determined = error < 1.25 * a->sum_error && !is_at_edge(s, a);
-    a->sum = 0.5 * (s->sum_lo + s->sum_hi), a->sum_error = error;
+    a->sum_error = error;
     return RP_OK;
 }
 
@@ -677,7 +687,7 @@ static rp_status go(search *s, gsl_qrng *sobol, stats_answer *a)
         lacks = fitted == RP_NO_RESULT && a->stages > 1; /* the runs of a smaller box failed */
         if (lacks) break;
         RP_TRY(fitted);
-        RP_TRY(invert(s, true, a));
+        RP_TRY(invert(s, q->tell != NULL, a));
         note_fits(s, a);
         memcpy(s->widest, a->fit_error, sizeof s->widest);
         if (q->tell) {

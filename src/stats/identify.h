@@ -55,6 +55,7 @@ typedef struct {
     size_t n_intervals[STATS_NAMES];
     stats_interval interval[STATS_NAMES][STATS_INTERVALS], own[STATS_NAMES];
     double correlation[STATS_NAMES][STATS_NAMES];
+    double ends[2][STATS_NAMES]; /* the best places at both ends of the widest interval */
     double chi2;
     size_t dof; /* numbers less names, at least 0 */
     /* each number: what the fit gives there, its error and the form's lack of fit, p of that */

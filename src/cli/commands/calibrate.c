@@ -449,45 +449,58 @@ static const char *combination(const problem *s, const stats_answer *a)
         const char *sign = !*text ? (w < 0.0 ? "-" : "") : w < 0.0 ? " - " : " + ";
         text = fabs(fabs(w) - 1.0) < 5e-4
                    ? rp_text(s->call->arena, "%s%s%s", text, sign, s->name[p])
-                   : rp_text(s->call->arena, "%s%s%.3g %s", text, sign, fabs(w), s->name[p]);
+                   : rp_text(s->call->arena, "%s%s%.4g %s", text, sign, fabs(w), s->name[p]);
     }
     return text;
 }
 
-/* The slope of a column across the combination, beside its scatter, by a straight line through the rows; 0
- * where there is none. */
-static double slope_across(const problem *s, const stats_answer *a, const rp_table *t, int column,
-                           const int names[])
+/* 1, the names in units of their ranges, and their products of two. */
+enum { PARABOLA = 1 + STATS_NAMES + STATS_NAMES * (STATS_NAMES + 1) / 2 };
+static size_t parabola(const problem *s, const double x[], double t[PARABOLA])
 {
-    RP_SCOPE(arena);
     const size_t p = s->quest.n_names;
-    double coefficients[STATS_NAMES + 1], covariance[(STATS_NAMES + 1) * (STATS_NAMES + 1)],
-        along = 0.0, power = 0.0, weight2 = 0.0, *X = rp_arena_memory(&arena, t->n_rows * (p + 1), sizeof *X),
-        *y = rp_arena_memory(&arena, t->n_rows, sizeof *y);
-    stats_linear fit = {
-        .p = p + 1, .X = X, .y = y, .tolerance = 1e-12, .c = coefficients, .covariance = covariance};
-    for (size_t row = 0; row < t->n_rows && X && y; row++) {
-        double v = NAN, *x = &X[fit.n * (p + 1)];
-        if (rp_table_number(t, row, column, 1, &v) || !isfinite(v)) continue;
-        x[0] = 1.0, y[fit.n++] = v;
-        for (size_t i = 0; i < p; i++) {
-            rp_table_number(t, row, names[i], 1, &v);
-            x[1 + i] = (v - s->quest.lo[i]) / (s->quest.hi[i] - s->quest.lo[i]);
-        }
-    }
-    if (fit.n < 2 * p + 4 || stats_linear_fit(&fit) || !(fit.chi2 > 0.0)) return 0.0;
-    for (size_t i = 0; i < p; i++) {
-        const double w = a->weight[i] * (s->quest.hi[i] - s->quest.lo[i]), slope = coefficients[i + 1];
-        along += w * slope, weight2 += w * w, power += slope * slope;
-    }
-    return sqrt(fmax(power - along * along / weight2, 0.0) / (fit.chi2 / (double)(fit.n - p - 1)));
+    size_t n = 1;
+    t[0] = 1.0;
+    for (size_t i = 0; i < p; i++) t[n++] = (x[i] - s->quest.lo[i]) / (s->quest.hi[i] - s->quest.lo[i]);
+    for (size_t i = 1; i <= p; i++)
+        for (size_t k = i; k <= p; k++) t[n++] = t[i] * t[k];
+    return n;
 }
 
-/* Of the numbers that the runs give besides, the one whose slope across the combination is largest beside its
- * scatter, in the last stage; NULL: none stands out. */
+/* By how many of its scatters a column differs between the ends of what agrees, by a parabola through the
+ * rows; 0 where that may be by chance. */
+static double apart_by(const problem *s, const stats_answer *a, const rp_table *t, int column,
+                       const int names[])
+{
+    RP_SCOPE(arena);
+    double c[PARABOLA], covariance[PARABOLA * PARABOLA], from[PARABOLA], to[PARABOLA], sum = 0.0,
+                                                                                       variance = 0.0;
+    const size_t p = parabola(s, a->ends[0], from);
+    double *X = rp_arena_memory(&arena, t->n_rows * p, sizeof *X),
+           *y = rp_arena_memory(&arena, t->n_rows, sizeof *y);
+    stats_linear fit = {.p = p, .X = X, .y = y, .tolerance = 1e-12, .c = c, .covariance = covariance};
+    parabola(s, a->ends[1], to);
+    for (size_t row = 0; row < t->n_rows && X && y; row++) {
+        double v = NAN, x[STATS_NAMES];
+        if (rp_table_number(t, row, column, 1, &v) || !isfinite(v)) continue;
+        for (size_t i = 0; i < s->quest.n_names; i++) rp_table_number(t, row, names[i], 1, &x[i]);
+        parabola(s, x, &X[fit.n * p]), y[fit.n++] = v;
+    }
+    if (fit.n < p + 4 || stats_linear_fit(&fit) || !(fit.chi2 > 0.0)) return 0.0;
+    for (size_t i = 0; i < p; i++) {
+        sum += c[i] * (to[i] - from[i]);
+        for (size_t k = 0; k < p; k++)
+            variance += (to[i] - from[i]) * covariance[i * p + k] * (to[k] - from[k]);
+    }
+    const double by = fabs(sum) / sqrt(fit.chi2 / (double)(fit.n - p));
+    return by > 2.0 && sum * sum > 4.0 * variance ? by : 0.0;
+}
+
+/* Of the numbers that the runs give besides, the one that differs most along what agrees, beside its scatter,
+ * in the last stage; NULL: none stands out. */
 static const char *separator(const problem *s, const stats_answer *a)
 {
-    double most = 3.0;
+    double most = 0.0;
     const char *best = NULL;
     for (size_t g = 0; g < s->quest.n_groups; g++) {
         const rp_table *t = s->group[g].table;
@@ -496,10 +509,11 @@ static const char *separator(const problem *s, const stats_answer *a)
         for (size_t i = 0; i < s->quest.n_names && whole; i++)
             whole = (names[i] = rp_table_column(t, s->name[i])) >= 0;
         for (size_t c = 0; whole && c < t->n_columns; c++) {
-            const double across = is_used(s, t->names[c]) ? 0.0 : slope_across(s, a, t, (int)c, names);
-            if (!(across > most)) continue;
-            most = across;
-            best = rp_text(s->call->arena, "%s of %s", t->names[c], s->group[g].source);
+            const double by = is_used(s, t->names[c]) ? 0.0 : apart_by(s, a, t, (int)c, names);
+            if (!(by > most)) continue;
+            most = by;
+            best = rp_text(s->call->arena, "%s of %s (differs by %.2g of its scatter)", t->names[c],
+                           s->group[g].source, by);
         }
     }
     return best;
@@ -509,7 +523,7 @@ static const char *separator(const problem *s, const stats_answer *a)
 static const char *apart(const problem *s, const stats_answer *a)
 {
     const char *other = separator(s, a),
-               *sum = a->determined ? rp_text(s->call->arena, "; determined is %s = %.3g +- %.2g",
+               *sum = a->determined ? rp_text(s->call->arena, "; determined is %s = %.5g +- %.2g",
                                               combination(s, a), a->sum, a->sum_error)
                                     : "";
     return rp_text(s->call->arena, "%s; %s%s", sum,
@@ -604,7 +618,7 @@ static void print_answer(const problem *s, const stats_answer *a)
                           a->correlation[q][p]);
     if (s->quest.n_names > 1)
         rp_table_note(stdout, "determined", "%s",
-                      a->determined ? rp_text(s->call->arena, "%s = %.4g +- %.2g", combination(s, a), a->sum,
+                      a->determined ? rp_text(s->call->arena, "%s = %.5g +- %.2g", combination(s, a), a->sum,
                                               a->sum_error)
                       : bent        ? "not told where the runs bend too much"
                                     : "not told where the best values lie at an end of their range, or what "
