@@ -134,7 +134,7 @@ static rp_status bent_run(void *host, size_t stage, size_t *n, const double **x,
         const bent_number *one = &s->of[i / *n];
         stats_runs *r = &(*runs)[i];
         for (size_t j = 0; j < replicas[0]; j++) {
-            const double y = bent_value(of, &(*x)[i % *n * 2]) + gsl_ran_gaussian(s->noise, one->scatter),
+            const double y = bent_value(one, &(*x)[i % *n * 2]) + gsl_ran_gaussian(s->noise, one->scatter),
                          d = y - r->mean;
             r->n++, r->mean += d / r->n, r->squares += d * (y - r->mean);
         }
@@ -217,7 +217,7 @@ static void test_bent(void)
             one->error = gsl_ran_flat(rng, 0.05, 0.6);
             one->scatter = one->error * exp(gsl_ran_flat(rng, log(0.02), log(2.0)));
             q.error[k] = one->error;
-            q.value[k] = bent_value(of, truth) + gsl_ran_gaussian(rng, one->error);
+            q.value[k] = bent_value(one, truth) + gsl_ran_gaussian(rng, one->error);
         }
         CHECK_OK(stats_identify(&q, &a));
         tell_case(&s, truth, &a, &t);
