@@ -30,6 +30,9 @@ typedef struct {
     double c[STATS_TERMS], covariance[STATS_TERMS * STATS_TERMS], tau2, p_value, one; /* the last: of a run */
 } form;
 
+/* Values of a name at which its profile is looked at: over the box, and by its error about the best. */
+enum { NODES = 64, NEAR = 3, ALL_NODES = NODES + 1 + 2 * NEAR + 1 };
+
 typedef struct {
     stats_quest *q;                          /* a copy, whose range may lose its ends */
     double lo[STATS_NAMES], hi[STATS_NAMES]; /* the box */
@@ -39,13 +42,18 @@ typedef struct {
     form form[STATS_NUMBERS];
     double value[STATS_NUMBERS], error[STATS_NUMBERS]; /* what is looked for */
     double widest[STATS_NUMBERS];                      /* error of the form, where something agrees */
-    double sum_lo, sum_hi;                             /* the combination, where the profiles agree */
-    double ends[2][STATS_NAMES];                       /* first and last place of a profile that agrees */
-    size_t skipped;                                    /* point that is left out, or SIZE_MAX */
+    size_t
+        n_agreeing; /* places of the profiles that agree: the name that is held there, chi2 below the limit */
+    struct {
+        size_t held;
+        double x[STATS_NAMES], below;
+    } agreeing[STATS_NAMES * ALL_NODES];
+    size_t skipped; /* point that is left out, or SIZE_MAX */
     rp_arena arena;
 } search;
 
 static const double FEW = 12.0;      /* degrees of freedom that a first stage has at least */
+static const double BENT = 2.0;      /* most error of a combination, over that of straight lines */
 static const double REJECTED = 0.01; /* chance of a misfit below which the runs reject a form */
 
 /* Degrees of a form, by the number of names: the usual one, and the highest, which many points allow. */
@@ -199,9 +207,6 @@ static rp_status least(search *s, size_t held, double at, const double guess[], 
                        x, chi2);
 }
 
-/* Values of a name at which its profile is looked at: over the box, and by its error about the best. */
-enum { NODES = 64, NEAR = 3, ALL_NODES = NODES + 1 + 2 * NEAR + 1 };
-
 static size_t place_nodes(const search *s, size_t p, double best, double se, double at[ALL_NODES])
 {
     static const double near[NEAR] = {1.0, 2.0, 4.0};
@@ -234,22 +239,18 @@ static rp_status pass(search *s, size_t p, const double best[], double inside, d
 static rp_status intervals_of(search *s, size_t p, const stats_answer *a, double limit,
                               stats_interval out[STATS_INTERVALS], size_t *n)
 {
-    double at[ALL_NODES], chi2[ALL_NODES], lowest = INFINITY, shared = 0.0;
-    for (size_t i = 0; i < s->q->n_names; i++) /* correlation of name and combination */
-        shared += a->weight[i] * a->correlation[i][p] * a->se[i] / a->sum_error;
-    const double apart = a->sum_error * sqrt(fmax(1.0 - shared * shared, 0.0));
+    double at[ALL_NODES], chi2[ALL_NODES], lowest = INFINITY;
     const size_t nodes = place_nodes(s, p, a->x[p], a->se[p], at);
     *n = 0;
     for (size_t k = 0; k < nodes; k++) {
-        double y[STATS_NAMES], sum = 0.0;
+        double y[STATS_NAMES];
         memcpy(y, a->x, sizeof y), chi2[k] = a->chi2;
         if (at[k] != a->x[p]) RP_TRY(least(s, p, at[k], a->x, y, &chi2[k]));
         const bool in = chi2[k] <= limit, was = k > 0 && chi2[k - 1] <= limit;
-        if (in) memcpy(s->ends[1], y, sizeof y);
-        if (in && *n == 0) memcpy(s->ends[0], y, sizeof y);
-        const double half = in ? sqrt(limit - chi2[k]) * apart : -INFINITY;
-        for (size_t i = 0; i < s->q->n_names; i++) sum += a->weight[i] * y[i];
-        s->sum_lo = fmin(s->sum_lo, sum - half), s->sum_hi = fmax(s->sum_hi, sum + half);
+        if (in && s->n_agreeing < STATS_NAMES * ALL_NODES) {
+            s->agreeing[s->n_agreeing].held = p, s->agreeing[s->n_agreeing].below = limit - chi2[k];
+            memcpy(s->agreeing[s->n_agreeing++].x, y, sizeof y);
+        }
         if (in && !was) { /* the last takes what is beyond */
             if (*n < STATS_INTERVALS) out[(*n)++].lower = at[k], lowest = INFINITY;
             if (k > 0 && out[*n - 1].lower == at[k])
@@ -283,61 +284,57 @@ static void information(const search *s, const double x[], double I[STATS_NAMES 
     }
 }
 
-/* Standard errors and correlations of the names, and the combination that is determined best: names in units
- * of their ranges along the axis of most information. */
-static void take_errors(const search *s, stats_answer *a)
+/* Eigenvalues of a symmetric matrix, and vectors: k is axis[i p + k]. */
+static rp_status take_axes(size_t p, double matrix[], double power[], double axis[])
 {
-    const size_t p = s->q->n_names;
-    double I[STATS_NAMES * STATS_NAMES], scaled[STATS_NAMES * STATS_NAMES],
-        inverse[STATS_NAMES][STATS_NAMES] = {{0}}, axis[STATS_NAMES * STATS_NAMES], power[STATS_NAMES] = {0},
-        range[STATS_NAMES] = {1.0, 1.0, 1.0};
-    information(s, a->x, I);
-    for (size_t i = 0; i < p; i++) range[i] = s->q->hi[i] - s->q->lo[i];
-    for (size_t i = 0; i < p; i++)
-        for (size_t j = 0; j < p; j++) scaled[i * p + j] = I[i * p + j] * range[i] * range[j];
-    gsl_matrix_view m = gsl_matrix_view_array(scaled, p, p), v = gsl_matrix_view_array(axis, p, p);
+    gsl_matrix_view m = gsl_matrix_view_array(matrix, p, p), v = gsl_matrix_view_array(axis, p, p);
     gsl_vector_view e = gsl_vector_view_array(power, p);
     gsl_eigen_symmv_workspace *w = gsl_eigen_symmv_alloc(p);
-    if (!w) return;
+    if (!w) return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
     gsl_eigen_symmv(&m.matrix, &e.vector, &v.matrix, w);
     gsl_eigen_symmv_free(w);
-    size_t most = 0;
-    for (size_t k = 0; k < p; k++) {
-        most = power[k] > power[most] ? k : most;
+    return RP_OK;
+}
+
+/* Standard errors and correlations of the names. */
+static rp_status take_errors(const search *s, stats_answer *a)
+{
+    const size_t p = s->q->n_names;
+    double scaled[STATS_NAMES * STATS_NAMES], inverse[STATS_NAMES][STATS_NAMES] = {{0}},
+                                              axis[STATS_NAMES * STATS_NAMES], power[STATS_NAMES] = {0},
+                                              range[STATS_NAMES] = {1.0, 1.0, 1.0};
+    information(s, a->x, scaled);
+    for (size_t i = 0; i < p; i++) range[i] = s->q->hi[i] - s->q->lo[i];
+    for (size_t i = 0; i < p; i++)
+        for (size_t j = 0; j < p; j++) scaled[i * p + j] *= range[i] * range[j];
+    RP_TRY(take_axes(p, scaled, power, axis));
+    for (size_t k = 0; k < p; k++)
         for (size_t i = 0; i < p; i++)
             for (size_t j = 0; j < p; j++)
                 inverse[i][j] +=
                     axis[i * p + k] * axis[j * p + k] * range[i] * range[j] / fmax(power[k], 1e-12);
-    }
     for (size_t i = 0; i < p; i++) {
         a->se[i] = sqrt(inverse[i][i]);
         for (size_t j = 0; j < p; j++)
             a->correlation[i][j] = inverse[i][j] / sqrt(inverse[i][i] * inverse[j][j]);
     }
-    double largest = 0.0;
-    for (size_t i = 0; i < p; i++)
-        if (fabs(axis[i * p + most]) > fabs(largest)) largest = axis[i * p + most];
-    size_t first = 0;
-    while (first + 1 < p && fabs(axis[first * p + most]) < 0.05 * fabs(largest)) first++;
-    const double unit = axis[first * p + most] / range[first];
-    a->sum = 0.0;
-    for (size_t i = 0; i < p; i++) {
-        const double exact = axis[i * p + most] / range[i] / unit,
-                     digit = pow(10.0, floor(log10(fabs(exact))) - 3.0); /* as it is printed */
-        a->weight[i] = fabs(axis[i * p + most]) < 0.05 * fabs(largest) ? 0.0 : digit * round(exact / digit);
-        a->sum += a->weight[i] * a->x[i];
-    }
-    a->sum_error = 1.0 / sqrt(fmax(power[most], 1e-300)) / fabs(unit);
-}
-
-static rp_status fit_all(search *s)
-{
-    for (size_t k = 0; k < s->q->n_numbers; k++) RP_TRY(fit_number(s, k));
     return RP_OK;
 }
 
-/* Is a best value an end of its range? There the fits reach farthest, and no slope is 0: what their curvature
- * determines is not what the numbers do. */
+/* Variance of the combination at x with one name held. */
+static double variance_with(const search *s, const stats_answer *a, const double x[], size_t held)
+{
+    const size_t p = s->q->n_names, i = (held + 1) % p, j = (held + 2) % p;
+    double I[STATS_NAMES * STATS_NAMES];
+    information(s, x, I);
+    const double *w = a->weight, ii = I[i * p + i], jj = I[j * p + j], ij = I[i * p + j];
+    return p == 1   ? 0.0
+           : p == 2 ? w[i] * w[i] / ii
+                    : (w[i] * w[i] * jj - 2.0 * w[i] * w[j] * ij + w[j] * w[j] * ii) / (ii * jj - ij * ij);
+}
+
+/* Is a best value an end of its range? There no slope is 0: unless the combination is the same all along what
+ * agrees, the range determines it, and not the numbers. */
 static bool is_at_edge(const search *s, const stats_answer *a)
 {
     bool edge = false;
@@ -348,28 +345,78 @@ static bool is_at_edge(const search *s, const stats_answer *a)
     return edge;
 }
 
+/* The combination that is determined best: across the places that agree, the names in units of their ranges.
+ * Its error reaches to the farthest of what agrees there, which slopes at the best place don't tell where
+ * that bends. */
+static rp_status take_sum(const search *s, double limit, stats_answer *a)
+{
+    const size_t p = s->q->n_names;
+    double scatter[STATS_NAMES * STATS_NAMES] = {0}, I[STATS_NAMES * STATS_NAMES],
+                                 axis[STATS_NAMES * STATS_NAMES], power[STATS_NAMES] = {0},
+                                 range[STATS_NAMES], largest = 0.0, error = 0.0, farthest = 0.0, wIw = 0.0,
+                                 ww = 0.0;
+    size_t least = 0, first = 0;
+    for (size_t i = 0; i < p; i++) range[i] = s->q->hi[i] - s->q->lo[i];
+    for (size_t n = 0; n < s->n_agreeing; n++)
+        for (size_t i = 0; i < p; i++)
+            for (size_t j = 0; j < p; j++)
+                scatter[i * p + j] +=
+                    (s->agreeing[n].x[i] - a->x[i]) / range[i] * (s->agreeing[n].x[j] - a->x[j]) / range[j];
+    RP_TRY(take_axes(p, scatter, power, axis));
+    for (size_t k = 0; k < p; k++) least = power[k] < power[least] ? k : least;
+    for (size_t i = 0; i < p; i++) largest = fmax(largest, fabs(axis[i * p + least]));
+    while (first + 1 < p && fabs(axis[first * p + least]) < 0.05 * largest) first++;
+    const double unit = axis[first * p + least] / range[first];
+    a->sum = 0.0;
+    for (size_t i = 0; i < p; i++) {
+        const double exact = axis[i * p + least] / range[i] / unit,
+                     digit = pow(10.0, floor(log10(fabs(exact))) - 3.0); /* as it is printed */
+        a->weight[i] = fabs(axis[i * p + least]) < 0.05 * largest ? 0.0 : digit * round(exact / digit);
+        a->sum += a->weight[i] * a->x[i];
+    }
+    for (size_t n = 0; n < s->n_agreeing; n++) {
+        double far = -a->sum;
+        for (size_t i = 0; i < p; i++) far += a->weight[i] * s->agreeing[n].x[i];
+        farthest = fmax(farthest, fabs(far));
+        error = fmax(error, fabs(far) + sqrt(s->agreeing[n].below *
+                                             variance_with(s, a, s->agreeing[n].x, s->agreeing[n].held)));
+    }
+    information(s, a->x, I);
+    for (size_t i = 0; i < p * p; i++)
+        wIw += a->weight[i / p] * a->weight[i % p] * I[i] * gsl_pow_2(range[i / p] * range[i % p]);
+    for (size_t i = 0; i < p; i++) ww += gsl_pow_2(a->weight[i] * range[i]);
+    a->sum_error = error / sqrt(limit);
+    a->determined = a->sum_error < BENT * ww / sqrt(wIw) && (farthest < 0.5 * error || !is_at_edge(s, a));
+    return RP_OK;
+}
+
+static rp_status fit_all(search *s)
+{
+    for (size_t k = 0; k < s->q->n_numbers; k++) RP_TRY(fit_number(s, k));
+    return RP_OK;
+}
+
 /* The best parameters, and their intervals in the box. */
 static rp_status invert(search *s, bool intervals, stats_answer *a)
 {
     const double limit = gsl_cdf_chisq_Pinv(0.95, 1.0);
     RP_TRY(least(s, SIZE_MAX, 0.0, NULL, a->x, &a->chi2));
-    take_errors(s, a);
-    s->sum_lo = INFINITY, s->sum_hi = -INFINITY;
+    RP_TRY(take_errors(s, a));
     double widest = 0.0;
-    for (size_t p = 0; p < s->q->n_names && intervals; p++) {
+    for (size_t p = s->n_agreeing = 0; p < s->q->n_names && intervals; p++) {
         stats_interval *const of = a->interval[p];
+        const size_t first = s->n_agreeing;
         RP_TRY(intervals_of(s, p, a, a->chi2 + limit, of, &a->n_intervals[p]));
-        const double wide = (s->ends[1][p] - s->ends[0][p]) / (s->q->hi[p] - s->q->lo[p]);
-        if (wide >= widest) widest = wide, memcpy(a->ends, s->ends, sizeof a->ends);
+        const double *from = s->agreeing[first].x, *to = s->agreeing[s->n_agreeing - 1].x,
+                     wide = (to[p] - from[p]) / (s->q->hi[p] - s->q->lo[p]);
+        if (wide >= widest) {
+            memcpy(a->ends[0], from, sizeof a->ends[0]), memcpy(a->ends[1], to, sizeof a->ends[1]);
+            widest = wide;
+        }
         for (size_t k = 0; k < a->n_intervals[p]; k++)
             if (of[k].lower <= a->x[p] && of[k].upper >= a->x[p]) a->own[p] = of[k];
     }
-    if (!intervals) return RP_OK;
-    /* what agrees may bend: then the sum varies along it, and the slopes at the best place don't tell */
-    const double error = fmax(s->sum_hi - a->sum, a->sum - s->sum_lo) / sqrt(limit);
-    a->determined = error < 1.25 * a->sum_error && !is_at_edge(s, a);
-    a->sum_error = error;
-    return RP_OK;
+    return intervals ? take_sum(s, limit, a) : RP_OK;
 }
 
 /* ---- stages ---- */
@@ -623,10 +670,10 @@ static bool lacks_runs(const search *s, const stats_answer *a)
 }
 
 /* The status of each name; nothing stays that a rejected form tells, or one that agrees nowhere. */
-static void judge(const search *s, bool converged, bool lacks, stats_answer *a)
+static void judge(const search *s, bool converged, bool failed, stats_answer *a)
 {
     const stats_quest *q = s->q;
-    lacks = lacks || lacks_runs(s, a);
+    const bool lacks = failed || lacks_runs(s, a);
     a->dof = q->n_numbers > q->n_names ? q->n_numbers - q->n_names : 0;
     const bool match = a->chi2 <= gsl_cdf_chisq_Pinv(0.99, a->dof ? (double)a->dof : 1.0), bent = is_bent(s),
                beyond = q->n_numbers == 1 && !match &&
@@ -638,7 +685,10 @@ static void judge(const search *s, bool converged, bool lacks, stats_answer *a)
     for (size_t p = 0; p < q->n_names; p++) {
         a->lo[p] = q->lo[p], a->hi[p] = q->hi[p];
         a->status[p] = bent && !beyond ? STATS_IDENTIFIED_BENT : match ? status_of(q, a, p, converged) : none;
-        if (lacks && (a->status[p] == STATS_IDENTIFIED_OK || a->status[p] == STATS_IDENTIFIED_BUDGET))
+        const bool at_end =
+            a->status[p] == STATS_IDENTIFIED_AT_LEAST || a->status[p] == STATS_IDENTIFIED_AT_MOST;
+        if ((lacks && (a->status[p] == STATS_IDENTIFIED_OK || a->status[p] == STATS_IDENTIFIED_BUDGET)) ||
+            (failed && at_end))
             a->status[p] = STATS_IDENTIFIED_NO_RUNS;
         if (a->se[p] > 10.0 * (q->hi[p] - q->lo[p])) a->se[p] = NAN; /* no number tells */
         if (match && !bent) continue;
