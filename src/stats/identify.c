@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "core/arena.h"
+#include "core/elementary.h"
 #include "stats/stats.h"
 
 const char *const stats_identified_words[] = {
@@ -370,7 +371,7 @@ static rp_status take_sum(const search *s, double limit, stats_answer *a)
     a->sum = 0.0;
     for (size_t i = 0; i < p; i++) {
         const double exact = axis[i * p + least] / range[i] / unit,
-                     digit = pow(10.0, floor(log10(fabs(exact))) - 3.0); /* as it is printed */
+                     digit = rp_pow(10.0, floor(rp_log(fabs(exact)) / M_LN10) - 3.0); /* as printed */
         a->weight[i] = fabs(axis[i * p + least]) < 0.05 * largest ? 0.0 : digit * round(exact / digit);
         a->sum += a->weight[i] * a->x[i];
     }
