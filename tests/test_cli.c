@@ -1538,7 +1538,7 @@ static void test_row_again(void)
     CU_ASSERT(equal_tables("again/pile_contacts.tsv", "box/pile_contacts.tsv"));
     CU_ASSERT(!equal_tables("again/pile_grains.tsv", "box/filled_grains.tsv"));
     CU_ASSERT(equal_tables("again/phases.tsv", "box/phases.tsv"));
-    scoped_table measures = TABLE_OF("run box/scene.cfg");
+    scoped_table measures = TABLE_OF("run box/scene.cfg --quiet");
     for (size_t row = 0; row < measures.n_rows; row++)
         CU_ASSERT_STRING_EQUAL(word(&measures, row, "value"),
                                word(&again, 0, word(&measures, row, "measure")));
