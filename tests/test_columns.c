@@ -593,7 +593,8 @@ static double side_angle(const rp_table *grains, const bool away[], double sign)
     return -atan((n * xy - x * y) / (n * xx - x * x)) / deg;
 }
 
-/* Order of six neighbours about each disk, and whether it is close-packed. Those away are neighbours alone. */
+/* Order of six neighbours about each disk, and whether it is close-packed. Those away are neighbours alone.
+ */
 static double mean_order(const rp_table *grains, const bool away[], bool packed[])
 {
     double sum = 0.0, n = 0.0;

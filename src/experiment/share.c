@@ -42,7 +42,8 @@ static double shared_disks(double r, double R, double d)
 double exp_share_within(const exp_within *a, const dem_state *s)
 {
     const double x[2] = {s->x, s->y}, r = s->r, all = 2.0 * M_PI * r * r;
-    if (a->all || a->kinds) return exp_is_within(a, s->id, s->x, s->y);
+    if (a->kinds && a->kinds[s->id - 1] != a->kind) return 0.0;
+    if (a->all) return 1.0;
     if (a->circle) return shared_disks(r, a->at[2], rp_hypot(x[0] - a->at[0], x[1] - a->at[1])) / all;
     double e[4], sum = 0.0; /* the part of the region that the grain may reach */
     for (int k = 0; k < 4; k++) e[k] = fmin(fmax(a->at[k] - x[k / 2], -r), r);
