@@ -111,9 +111,9 @@ static void mirror_and_relabel_of(bool rotation)
     for (int i = 0; i < 80; i++) other[i] = grains[79 - i];
     renumbered = grains_start(&changed);
     dem_state s[80], m[80], r[80];
-    grains_run(sim, 1000, s);
-    grains_run(mirrored, 1000, m);
-    grains_run(renumbered, 1000, r);
+    grains_run(sim, 800, s);
+    grains_run(mirrored, 800, m);
+    grains_run(renumbered, 800, r);
     int contacts = 0;
     for (int i = 0; i < 80; i++) {
         contacts += s[i].contacts;
