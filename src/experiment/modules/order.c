@@ -47,50 +47,23 @@ static bool is_at_60(const dem_contact *c)
     return fabs(turn - 60.0) <= 10.0;
 }
 
-/* The grains that move, of the region and beside it, by rising ids. */
-typedef struct {
-    size_t n;
-    dem_state *at;
-    bool *counts, *packed; /* counts: of the region */
-    double *order, *most;  /* most: the strongest force on it */
-    int *neighbours;
-} bonded;
-
-static rp_status find_bonds(const exp_view *s, rp_arena *memory, bonded *g)
-{
-    RP_NEW(memory, g->at, s->n_all);
-    RP_NEW(memory, g->counts, s->n_all);
-    RP_NEW(memory, g->packed, s->n_all);
-    RP_NEW(memory, g->order, s->n_all);
-    RP_NEW(memory, g->most, s->n_all);
-    RP_NEW(memory, g->neighbours, s->n_all);
-    for (size_t i = 0; i < s->n_all; i++) {
-        dem_state *const one = &g->at[g->n];
-        *one = s->all[i];
-        dem_box_frame(s->sim, &one->x, &one->y);
-        g->counts[g->n] = exp_view_has(s, one->id);
-        g->n += !one->fixed;
-    }
-    exp_bond_order(g->n, g->at, g->order, g->neighbours);
-    for (size_t i = 0; i < g->n; i++) g->packed[i] = g->neighbours[i] == 6 && g->order[i] >= 0.9;
-    return RP_OK;
-}
-
-/* Of the contacts between grains, one of them of the region, than which one of the two has no stronger. */
-static void strongest(const exp_view *s, const bonded *g, double out[2])
+/* Of the contacts between grains, one of which counts, than which one of the two has no stronger; most[i]:
+ * the strongest force of grain i. */
+static void strongest(const exp_view *s, const bool counts[], const bool packed[], double most[],
+                      double out[2])
 {
     double all[2] = {0.0}, at_60[2] = {0.0};
     for (int pass = 0; pass < 2; pass++)
         for (const dem_contact *c = s->contacts; c < s->contacts + s->n_contacts; c++) {
-            const dem_state *p = exp_grain_of(g->n, g->at, c->id_a),
-                            *q = c->id_b ? exp_grain_of(g->n, g->at, c->id_b) : NULL;
+            const dem_state *p = exp_grain_of(s->n, s->grains, c->id_a),
+                            *q = c->id_b ? exp_grain_of(s->n, s->grains, c->id_b) : NULL;
             if (!p || !q) continue;
-            const size_t a = (size_t)(p - g->at), b = (size_t)(q - g->at);
+            const size_t a = (size_t)(p - s->grains), b = (size_t)(q - s->grains);
             if (pass == 0) {
-                g->most[a] = fmax(g->most[a], c->normal_force);
-                g->most[b] = fmax(g->most[b], c->normal_force);
-            } else if ((g->counts[a] || g->counts[b]) && c->normal_force >= fmin(g->most[a], g->most[b])) {
-                const bool both = g->packed[a] && g->packed[b];
+                most[a] = fmax(most[a], c->normal_force);
+                most[b] = fmax(most[b], c->normal_force);
+            } else if ((counts[a] || counts[b]) && c->normal_force >= fmin(most[a], most[b])) {
+                const bool both = packed[a] && packed[b];
                 all[0] += 1.0, all[1] += both;
                 at_60[0] += is_at_60(c), at_60[1] += both && is_at_60(c);
             }
@@ -101,18 +74,36 @@ static void strongest(const exp_view *s, const bonded *g, double out[2])
 static rp_status evaluate(const exp_view *s, const void *params, double out[])
 {
     RP_SCOPE(memory);
-    bonded g = {0};
-    double sum = 0.0, counted = 0.0, n_packed = 0.0;
+    exp_view wide = *s; /* with the grains beside the region, which are neighbours alone */
+    dem_state *grains;
+    double *order, *most, sum = 0.0, counted = 0.0, n_packed = 0.0;
+    int *neighbours;
+    bool *packed, *counts;
     (void)params;
     if (s->n == 0) return rp_fail(RP_NO_RESULT, "no grains that move");
-    RP_TRY(find_bonds(s, &memory, &g));
-    for (size_t i = 0; i < g.n; i++) {
-        if (!g.counts[i]) continue;
-        n_packed += g.packed[i];
-        if (g.neighbours[i] >= 2) sum += g.order[i], counted += 1.0;
+    RP_NEW(&memory, grains, s->n_all);
+    RP_NEW(&memory, order, s->n_all);
+    RP_NEW(&memory, most, s->n_all);
+    RP_NEW(&memory, neighbours, s->n_all);
+    RP_NEW(&memory, packed, s->n_all);
+    RP_NEW(&memory, counts, s->n_all);
+    wide.grains = grains, wide.n = 0;
+    for (size_t i = 0; i < s->n_all; i++) {
+        dem_state *const g = &grains[wide.n];
+        *g = s->all[i];
+        dem_box_frame(s->sim, &g->x, &g->y);
+        counts[wide.n] = exp_view_has(s, g->id);
+        wide.n += !g->fixed;
+    }
+    exp_bond_order(wide.n, grains, order, neighbours);
+    for (size_t i = 0; i < wide.n; i++) {
+        packed[i] = neighbours[i] == 6 && order[i] >= 0.9;
+        if (!counts[i]) continue;
+        n_packed += packed[i];
+        if (neighbours[i] >= 2) sum += order[i], counted += 1.0;
     }
     out[0] = sum / counted, out[1] = n_packed / (double)s->n;
-    strongest(s, &g, &out[2]);
+    strongest(&wide, counts, packed, most, &out[2]);
     return RP_OK;
 }
 
