@@ -149,7 +149,7 @@ static void box(void)
                  full = measured("box.cfg", "opens=false", "height");
     leave();
     if (CHECK_SKIPS("a long run of code that others run")) return;
-    CHECK_PAIRS(0.5, {theta, 14.0}, {rough, 38.0});
+    CHECK_PAIRS(0.5, {theta, 14.0}, {rough, 30.0});
     CHECK_NEAR(full, 4.0, 0.1);
 }
 
