@@ -1594,7 +1594,8 @@ static void test_refused_more(void)
          "phases = ( { name = `turn`; box_turn_deg_per_step = 0.01; steps = 1; } );\n",
          "0.01", "0.8", "phase turn: dt = 6.2e-05: too large"},
         {lift, "v = 2.0", "v = 900.0", "phase up: wall plate needs dt <= "},
-        {lift, "every = 10;", "gravity = (0.0, `-1e9*t`); every = 10;", "phase up: wall plate needs dt <= 3.21e-05"},
+        {lift, "every = 10;", "gravity = (0.0, `-1e9*t`); every = 10;",
+         "phase up: wall plate needs dt <= 3.21e-05"},
         {lift, "`v`", "`2000*cos(t)`", "phase up: wall plate needs dt <= "}};
     check_refused(sizeof cases / sizeof *cases, cases);
     static const trial_change ends[] = {

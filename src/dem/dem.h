@@ -152,7 +152,7 @@ typedef struct {
     dem_wall walls[DEM_FEW_WALLS];
     const dem_wall *wall_list; /* if not NULL, the walls are these, of any number; borrowed as the grains */
     double radius_to_come;     /* mean radius of grains that are added to none; 0: there must be some */
-    double mass_to_come;       /* their mean mass, for a restitution; of all, if known, for the largest step */
+    double mass_to_come; /* their mean mass, for a restitution; of all, if known, for the largest step */
     size_t n_grains;
     const dem_grain *grains; /* borrowed until dem_create returns */
     /* Contacts that the start already has, as dem_contacts gives them, ids by the order of the grains: their

@@ -208,6 +208,16 @@ rp_status dem_is_wanted(const config_setting_t *group, bool *wanted)
     return config_setting_is_group(group) ? rp_config_peek(group, condition, "if", wanted) : RP_OK;
 }
 
+rp_status dem_read_group(const config_setting_t *root, int number, void *values, bool *there)
+{
+    const config_setting_t *group = member(root, dem_scene_schemas[number].name);
+    *there = false;
+    if (group) RP_TRY(dem_is_wanted(group, there));
+    if (!*there) return RP_OK;
+    rp_params_defaults(SCHEMA(number), values);
+    return rp_config_group(group, SCHEMA(number), values, "if");
+}
+
 rp_status dem_read_name(rp_arena *arena, const config_setting_t *setting, const char *key, const char **name)
 {
     if (strlen(*name) >= DEM_NAME_BYTES || strspn(*name, RP_NAME_LETTERS) != strlen(*name) ||

@@ -25,16 +25,6 @@ void dem_text_close(dem_text *text)
     config_destroy(&text->config);
 }
 
-rp_status dem_read_group(const config_setting_t *root, int number, void *values, bool *there)
-{
-    const config_setting_t *group = member(root, dem_scene_schemas[number].name);
-    *there = false;
-    if (group) RP_TRY(dem_is_wanted(group, there));
-    if (!*there) return RP_OK;
-    rp_params_defaults(SCHEMA(number), values);
-    return rp_config_group(group, SCHEMA(number), values, "if");
-}
-
 /* Phases have one stream, whose seed is that of the text or its first fill. */
 static rp_status check_seeds(const config_setting_t *root)
 {
