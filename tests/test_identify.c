@@ -179,7 +179,7 @@ static void test_arch(void)
 /* Numbers that all tell the same sum: that one is found, its parts are not. */
 static void test_degenerate(void)
 {
-    const size_t n = check_fast() ? 20 : 100;
+    const size_t n = check_fast() ? 50 : 100;
     size_t said = 0, told = 0, inside = 0;
     scoped_stand_in s = {.n_names = 2, .n_numbers = 2, .degenerate = true, .scatter = {0.5, 0.5}};
     s.noise = rp_random_alloc(7, 1, RP_PURPOSE_TEST);
