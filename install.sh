@@ -83,11 +83,11 @@ Cflags: -I\${includedir}
 EOF
     [ "$1" = repose ] || ln -s librepose.a "$to/lib/lib$1.a"
 }
-pc repose "forces in and angles of granular piles" "gsl nlopt libconfig sqlite3 libxxhash" -lcholmod
+pc repose "forces in and angles of granular piles" "gsl libconfig sqlite3 libxxhash" -lcholmod
 pc repose-analytic "lattice, continuum and tent models of piles"
 pc repose-dem "discrete-element simulator of grains" "gsl libconfig libxxhash" -lcholmod
 pc repose-statics "static equilibrium of soft disks" gsl -lcholmod
-pc repose-angle "angles of repose, tilting and marginal stability" "gsl nlopt"
+pc repose-angle "angles of repose, tilting and marginal stability" "gsl"
 pc repose-stress "stress in piles, pressure on their base" gsl
 
 mkdir -p "$target"

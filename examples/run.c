@@ -14,7 +14,8 @@ static dem_scene scene_of_box(double width)
     dem_scene scene = {
         .def = dem_definition_default(), .n_fills = 1, .fills = &fill, .seed = 1, .steps = 20000};
     fill.W = width, fill.radius_width = 0.02, fill.radius_min = 0.07, fill.radius_max = 0.13;
-    const dem_material wall = dem_wall_material(&dem_material_auto, &scene.def.material);
+    const dem_physics grains = dem_physics_of(&scene.def, fill.density);
+    const dem_material wall = dem_wall_material(&dem_material_auto, &grains);
     dem_box_walls(&scene.def, width, &wall);
     return scene;
 }

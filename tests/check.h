@@ -44,6 +44,7 @@
     X(suite_examples)                                                                                        \
     X(suite_scene)                                                                                           \
     X(suite_keys)                                                                                            \
+    X(suite_schemas)                                                                                         \
     X(suite_helpers)                                                                                         \
     X(suite_figures)                                                                                         \
     X(suite_evidence)                                                                                        \

@@ -123,7 +123,7 @@ dem_definition grains_too_soft(bool floor)
 {
     dem_definition def = grains_box(1200, 6.0, 9, NULL);
     *(floor ? &def.walls[DEM_BOX_FLOOR].material.k_n : &def.material.k_n) = 1e3;
-    def.material.gamma_n = def.walls[DEM_BOX_FLOOR].material.gamma_n = 1e-9;
+    def.material.gamma_n = def.walls[DEM_BOX_FLOOR].material.gamma_n = 100.0;
     return def;
 }
 

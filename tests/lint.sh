@@ -44,6 +44,16 @@ for flag in -ffast-math $([ "$(uname -m)" != x86_64 ] || echo -mfma); do
         echo "lint: a build with $flag is not refused" && bad=1
     }
 done
+# As on Arm, where the preprocessor sees nothing: the program has what is fused then, and refuses to run.
+if grep -qs '\bfma\b' /proc/cpuinfo; then
+    fused=$build/fused
+    printf '#include "core/version.h"\nint main(void) { return rp_build_check(); }\n' >"$fused.c"
+    for contract in fast off; do
+        ${CC:-gcc} -O2 -mfma -U__FMA__ -ffp-contract=$contract -Isrc -o "$fused" "$fused.c" src/core/version.c src/core/status.c &&
+            "$fused"
+        [ $? = $([ $contract = off ] && echo 0 || echo 70) ] || { echo "lint: -ffp-contract=$contract: rp_build_check() errs" && bad=1; }
+    done
+fi
 if ! command -v clang-format >/dev/null; then
     echo "lint: no clang-format: the format is not checked"
 else

@@ -337,7 +337,7 @@ int main(int argc, char **argv)
     const bool complete = run_all(runs, n, (size_t)jobs);
     sum->ElapsedTime = rp_clock() - begin;
     sum->nSuitesRun = CU_get_registry()->uiNumberOfSuites;
-    if (complete) CU_print_run_results(stdout), printf("\n%21s%7zu parts of tests\n", "skipped", skipped);
+    if (complete) printf("%21s%7zu parts of tests\n", "skipped", skipped), CU_print_run_results(stdout);
     bool good = complete && broken_registrations == 0 && sum->nTestsFailed == 0 &&
                 sum->nFailureRecords == 0 && sum->nTestsRun == registered && registered > 0;
     CU_cleanup_registry();

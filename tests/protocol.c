@@ -56,10 +56,10 @@ void protocol_box(double W, double H, long run, const double steps[2], dem_sim *
     dem_scene scene = {
         .def = dem_definition_default(), .n_fills = 1, .fills = &fill, .seed = 1993, .run = run};
     dem_physics physics = dem_physics_default();
-    physics.tangential = DEM_SPRING;
+    physics.tangential = DEM_SPRING, physics.damping = DEM_DAMPING_OUTSIDE;
     physics.mu = 0.2;
     dem_physics_apply(&physics, &scene.def);
-    const dem_material wall = dem_wall_material(&dem_material_auto, &scene.def.material);
+    const dem_material wall = dem_wall_material(&dem_material_auto, &physics);
     dem_box_walls(&scene.def, W, &wall);
     scene.def.x_max = 3.0 * W;
     CHECK_OK(dem_scene_start(&scene, sim));

@@ -62,7 +62,9 @@ static void test_column(void)
     double area = 0.0;
     CHECK_OK(dem_states(sim, states));
     for (size_t i = 0; i < dem_count(sim); i++) area += M_PI * states[i].r * states[i].r;
-    CHECK_NEAR(measured(&t, "area"), area, 1e-9);
+    const double beyond =
+        area - measured(&t, "area"); /* what walls and lid overlap, 0.1 radii deep at most */
+    CU_ASSERT(beyond > 0.0 && beyond < 0.01 * area);
 }
 
 /* Where none is, a grain has the restitution of the text, by its own mass. */
@@ -235,7 +237,7 @@ static const char rain[] =
     "  { name = `n2`; of = `grains`; at = `cloud`; },\n"
     "  { name = `lost`; of = `right.grains`; at = `cloud`; },\n"
     "  { name = `n3`; of = `grains`; at = `clear`; }, { name = `gone`; of = `out`; at = `clear`; },\n"
-    "  { name = `lost_mass`; of = `right.mass`; at = `cloud`; }, { name = `weighed`; of = "
+    "  { name = `lost_mass`; of = `right.whole_mass`; at = `cloud`; }, { name = `weighed`; of = "
     "`out_mass/lost_mass`; at = `clear`; },\n"
     "  { name = `own`; of = `stone.energy/(0.5*stone.mass*(stone.vx^2 + stone.vy^2))`; at = `rain`; },\n"
     "  { name = `stones`; of = `stone.grains`; } );\n";
@@ -316,15 +318,19 @@ static void test_base_order(void)
         "walls = ( { name = `base`; point = (0.0, -3.0); direction = (0.0, 1.0); } );\n"
         "fill = ( { pattern = `row`; W = 8.0; x0 = 1.0; y0 = -3.0; radius_width = 0.0; },\n"
         "  { pattern = `lattice`; W = 0.81; H = 0.56; x0 = 20.0; y0 = 30.0; radius_width = 0.0; } );\n"
-        "regions = { up = { y = (20.0, 40.0); }; low = { y = (-4.0, -2.0); }; };\n"
+        "regions = { up = { y = (20.0, 40.0); }; low = { y = (-4.0, -2.0); };\n"
+        "  one = { circle = (20.4, `30.1 + 0.1*sqrt(3)`, 0.15); }; };\n"
         "phases = ( { name = `start`; steps = 0; },\n"
         "  { name = `sink`; remove = `up`; damp = true; every = 10; until = `held(force < 1e-6*m*g, 2)`; } "
         ");\n"
         "measure = ( { name = `o`; of = `order`; in = `up`; at = `start`; },\n"
+        "  { name = `i`; of = `order`; in = `one`; at = `start`; optional = true; },\n"
         "  { name = `b`; of = `base`; wall = `base`; }, { name = `weight`; of = `low.mass*g`; } );\n";
     RUN_TRIAL(t, text, 1000, "ok");
     /* the middle one of rows of 4, 3 and 4 */
     CHECK_EACH(measured(&t, NAME), 1e-12, {"o_psi6", 1.0}, {"o_packed", 1.0 / 11.0});
+    /* it alone, with neighbours beside the region */
+    CHECK_EACH(measured(&t, NAME), 1e-12, {"i_psi6", 1.0}, {"i_packed", 1.0});
     CHECK_NEAR(measured(&t, "b_centroid"), 5.0, 1e-6);
     CHECK_NEAR(measured(&t, "b_load"), measured(&t, "weight"), 1e-5 * measured(&t, "weight"));
     CHECK_NEAR(measured(&t, "b_width"), 39.0 * 0.2, 0.05); /* 40 grains, less 1 % at both ends */
@@ -442,21 +448,12 @@ static void test_cuts(void)
     }
 }
 
-/* What changes a run changes its key; what does not, doesn't. */
+/* What changes a run changes its key; what does not, doesn't. Suite schemas has the keys. */
 static void test_keys(void)
 {
-    static const trial_change cases[] = {{lid, "load_y = -10.0", "load_y = -11.0", "another"},
-                                         {lid, "speed = 100.0", "speed = 90.0", "another"},
-                                         {lid, "load_y = -10.0", "load_y = `-5*2`", "same"},
+    static const trial_change cases[] = {{lid, "load_y = -10.0", "load_y = `-5*2`", "same"},
                                          {incline, "later = 0.2", "later = 0.25", "another"},
-                                         {incline, "dt = 5e-6", "dt = 6e-6", "another"},
                                          {incline, "mu = 0.0; }; }; time", "mu = 0.1; }; }; time", "another"},
-                                         {rain, "r = 0.3", "r = 0.31", "another"},
-                                         {rain, "density = 2.0", "density = 2.1", "another"},
-                                         {rain, "y = `touch + 0.2`", "y = `touch + 0.3`", "another"},
-                                         {rain, "N = 20", "N = 21", "another"},
-                                         {rain, "remove = `right`; ", "", "another"},
-                                         {rain, "(9.0, 9.0)", "(9.0, 8.0)", "another"},
                                          {rain, "name = `floor`", "name = `ground`", "another"},
                                          {rain, "mark = true; ", "", "another"},
                                          {rain, "} ); }, { name = `q`; mark = true; steps = 1; }",
@@ -474,7 +471,8 @@ static void test_refused(void)
         {lid, "speed = 100.0", "speed = 0.0", "speed = 0: out of range, allowed: (0, inf)"},
         {lid, "load_y = -10.0", "load_z = -10.0", "load_z: unknown key"},
         {lid, "load_y = -10.0", "load_y = `fast`", "unknown name fast"},
-        {lid, "speed = 100.0", "speed = 9.0e4", "phase near: wall lid moves 0.9 in one step"},
+        {lid, "speed = 100.0", "speed = 9.0e4",
+         "phase near: wall lid needs dt <= 1.11e-06, by a way below the smallest radius at wall"},
         {incline, "tangential = { mu = `later`; }", "tangential = { muu = 1.0; }", "muu: unknown key"},
         {incline, "tangential = { mu = `later`; }", "tangential = { law = `none`; }",
          "needs a tangential law"},

@@ -416,7 +416,7 @@ static dem_sim *bench_sim(const bench_box *b, int n, double width, const rp_tabl
     scoped dem_grain *grains = calloc((size_t)n, sizeof *grains);
     const dem_fill fill = {n, width, 2.0 * width, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 1993, 0};
     dem_definition def = grains_of((size_t)n, grains);
-    def.rotation = b->rotation;
+    def.rotation = b->rotation, def.damping = DEM_DAMPING_OUTSIDE;
     def.material.mu_roll = b->mu_roll;
     bench_walls(&def, width);
     for (int i = 0; i < n && b->size_ratio > 0.0; i++) grains[i].r = cell(radii, (size_t)i, "r");
@@ -594,23 +594,23 @@ static double side_angle(const rp_table *grains, const bool away[], double sign)
     return -atan((n * xy - x * y) / (n * xx - x * x)) / deg;
 }
 
-/* Order of six neighbours about each disk, and whether it is close-packed. */
+/* Order of six neighbours about each disk, and whether it is close-packed. Those away are neighbours alone.
+ */
 static double mean_order(const rp_table *grains, const bool away[], bool packed[])
 {
     double sum = 0.0, n = 0.0;
     for (size_t i = 0; i < grains->n_rows; i++) {
         double complex order = 0.0;
         double neighbours = 0.0;
-        for (size_t j = 0; j < grains->n_rows && !away[i]; j++) {
+        for (size_t j = 0; j < grains->n_rows; j++) {
             const double dx = cell(grains, j, "x") - cell(grains, i, "x"),
                          dy = cell(grains, j, "y") - cell(grains, i, "y");
-            if (i == j || away[j] || hypot(dx, dy) > 1.25 * (cell(grains, i, "r") + cell(grains, j, "r")))
-                continue;
+            if (i == j || hypot(dx, dy) > 1.25 * (cell(grains, i, "r") + cell(grains, j, "r"))) continue;
             order += cexp(6.0 * I * atan2(dy, dx));
             neighbours++;
         }
         packed[i] = neighbours == 6.0 && cabs(order) >= 0.9 * neighbours;
-        if (neighbours >= 2.0) sum += cabs(order) / neighbours, n++;
+        if (neighbours >= 2.0 && !away[i]) sum += cabs(order) / neighbours, n++;
     }
     return sum / n;
 }
@@ -624,22 +624,22 @@ static size_t disk_of(const rp_table *grains, const rp_table *contacts, size_t k
 }
 
 /* Contacts between disks that are the strongest of one of the two: the share within 10 degrees of 60, of all
- * and of those between close-packed disks. Contacts with disks that rolled away are none. */
+ * and of those between close-packed disks. Of two disks that rolled away there is none. */
 static void check_strongest(checked *o, const rp_table *grains, const rp_table *contacts, const bool away[],
                             const bool packed[])
 {
     double all[2] = {0.0}, steep[2] = {0.0}, disks = 0.0, close = 0.0, strongest[DROPPED] = {0.0};
-    for (size_t i = 0; i < DROPPED; i++) disks += !away[i], close += packed[i];
+    for (size_t i = 0; i < DROPPED; i++) disks += !away[i], close += packed[i] && !away[i];
     for (int counts = 0; counts < 2; counts++)
         for (size_t k = 0; k < contacts->n_rows; k++) {
             const size_t a = disk_of(grains, contacts, k, "id_a"), b = disk_of(grains, contacts, k, "id_b");
             const double N = cell(contacts, k, "normal_force");
-            if (a == DROPPED || b == DROPPED || away[a] || away[b]) continue;
+            if (a == DROPPED || b == DROPPED) continue;
             if (!counts) {
                 strongest[a] = fmax(strongest[a], N), strongest[b] = fmax(strongest[b], N);
                 continue;
             }
-            if (N < strongest[a] && N < strongest[b]) continue;
+            if ((away[a] && away[b]) || (N < strongest[a] && N < strongest[b])) continue;
             const double rise = cell(contacts, k, "y_b") - cell(contacts, k, "y"),
                          run = cell(contacts, k, "x_b") - cell(contacts, k, "x"),
                          slope = fabs(atan(rise / run)) / deg;
@@ -862,7 +862,7 @@ static void test_drop(void)
 {
     const double limit = 10.0;
     write_text("s.cfg",
-               "protocol = \"drop\"; replicas = 1; seed = 1993;\n"
+               "protocol = \"drop\"; replicas = 1; seed = 1996;\n"
                "fixed = { N = %d; radius_width = 0.05; mu_roll = 0.03; x_limit = %.1f; };\n",
                DROPPED, limit);
     scoped_checked o = CHECKED_RUN(1, "run s.cfg -o d"), drops = checked_read("d/series_moved_max.tsv");

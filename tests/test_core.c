@@ -9,6 +9,7 @@
 #include "params/config.h"
 #include "params/guess.h"
 #include "core/elementary.h"
+#include "core/version.h"
 #include "core/random.h"
 #include "core/file.h"
 #include "table/where.h"
@@ -758,7 +759,14 @@ static void elementary(void)
     CU_ASSERT(isnan(rp_sin(1e9)) && isnan(rp_cos(INFINITY)) && isnan(rp_tan(NAN)));
 }
 
-CHECK_SUITE_WITHIN(core, "core", enter, leave, statuses, table_append, defaults_and_text, ranges_and_units,
-                   refused_values, keys, inherited, guesses, files, syntax, whole_numbers, large_files,
-                   random_known_answer, random_streams, cut_normal, elementary, tables, table_text,
-                   table_conditions, table_forms, table_append_columns, written_files, hostile_tables)
+/* What -ffp-contract=fast makes of it, tests/lint.sh and tests/arm64.sh see. */
+static void exact_build(void)
+{
+    CHECK_OK(rp_build_check());
+}
+
+CHECK_SUITE_WITHIN(core, "core", enter, leave, statuses, exact_build, table_append, defaults_and_text,
+                   ranges_and_units, refused_values, keys, inherited, guesses, files, syntax, whole_numbers,
+                   large_files, random_known_answer, random_streams, cut_normal, elementary, tables,
+                   table_text, table_conditions, table_forms, table_append_columns, written_files,
+                   hostile_tables)

@@ -98,6 +98,7 @@ static void mirror_and_relabel_of(bool rotation)
 {
     dem_grain *grains, other[80];
     dem_definition def = box_of(80, 2.4, 5, rotation, &grains);
+    def.damping = DEM_DAMPING_OUTSIDE; /* inside, round-off decides which contacts slip */
     for (int i = 0; rotation && i < 80; i++) grains[i].omega = 0.5 * i;
     scoped_sim *sim = grains_start(&def), *mirrored = NULL, *renumbered = NULL;
     for (int i = 0; i < 80; i++) {
@@ -457,7 +458,7 @@ static void springs_end_of(bool rolling)
 {
     dem_grain grains[2] = {{0.0, 0.25, 0.1, 0.0042, 0.1, -20.0}, {0.0, -9.0, 9.0, 1e12, 0.0, 0.0}};
     dem_definition def = grains_afloat(2, grains);
-    def.material.gamma_n = 1e-9, def.material.gamma_s = 0.0;
+    def.material.gamma_n = 1e-9, def.material.gamma_s = 0.0, def.dt = 2.5e-5;
     def.material.mu = 10.0; /* it never slips */
     if (rolling) {          /* rotation without translation; too soft to reverse it */
         def.rotation = true, def.material.mu = def.material.gamma_roll = 0.0;
@@ -469,7 +470,7 @@ static void springs_end_of(bool rolling)
     int touches = 0;
     size_t before = 0;
     double longest = 0.0;
-    for (int step = 0; step < 5000; step++) {
+    for (int step = 0; step < 10000; step++) {
         size_t n;
         CHECK_OK(dem_run(sim, 1));
         scoped dem_contact *c = grains_contacts(sim, &n);
@@ -1220,12 +1221,20 @@ static void time_step_limit(void)
     dem_definition def = grains_box(60, 2.0, 1, NULL);
     const double limit = dem_time_step_limit(&def, NULL);
     /* the scale of a contact: dt falls as k_n^(-2/5) for Hertz */
-    for (int w = 0; w < 3; w++) def.walls[w].material.k_n *= 32.0;
-    def.material.gamma_n = 1e-9;
-    for (int w = 0; w < 3; w++) def.walls[w].material.gamma_n = 1e-9;
-    def.material.k_n *= 32.0;
-    double stiff = dem_time_step_limit(&def, NULL);
-    CU_ASSERT(stiff < limit / 3.8 && stiff > limit / 4.2);
+    for (int w = 0; w < 3; w++)
+        def.walls[w].material.k_n *= 32.0, def.walls[w].material.gamma_n *= 4.0,
+            def.walls[w].material.k_s *= 16.0;
+    def.material.k_n *= 32.0, def.material.gamma_n *= 4.0, def.material.k_s *= 16.0;
+    CHECK_NEAR(dem_time_step_limit(&def, NULL) / limit, 0.25, 1e-2); /* gamma_s stays */
+    /* with little damping, more than where nothing damps, and less than what is stable */
+    double before = 0.0;
+    for (double gamma = 0.0; gamma < 300.0; gamma = 4.0 * gamma + 1.0) {
+        def.material.gamma_n = gamma;
+        for (int w = 0; w < 3; w++) def.walls[w].material.gamma_n = gamma;
+        const double now = dem_time_step_limit(&def, NULL);
+        CU_ASSERT(now >= before);
+        before = now;
+    }
     /* damping alone limits gamma dt of a packing to 2/3, of which 0.85 is allowed; the second of the lightest
      * grains is slightly larger, with 1 % more neighbours */
     def.material = (dem_material){.k_n = 1e-9, .gamma_n = 3e5, .k_s = 1e-9};
@@ -1348,15 +1357,14 @@ static void limit_of_unequal(void)
             order[i] = grains[at];
         }
         dem_definition def = grains_bare(4, order, DEM_LINEAR, (dem_material){.k_n = k_n});
-        const char *what;
-        CHECK_NEAR(dem_time_step_limit(&def, &what) / (3.8 / sqrt(12.0 * k_n * (first + second))), 1.0,
-                   1e-14);
-        CU_ASSERT_STRING_EQUAL(what, "two of the lightest grains");
+        dem_limit_name what;
+        CHECK_NEAR(dem_time_step_limit(&def, what) / (3.8 / sqrt(12.0 * k_n * (first + second))), 1.0, 1e-14);
+        CU_ASSERT_STRING_EQUAL(what, "impacts of two of the lightest grains");
         def.tangential =
             DEM_SPRING; /* shear at the edges of a packing's cell of wave numbers, and in its corners */
         for (int corner = 0; corner < 2; corner++) {
             def.material.k_s = (corner ? 0.9 : 0.3) * k_n;
-            CHECK_NEAR(dem_time_step_limit(&def, &what) /
+            CHECK_NEAR(dem_time_step_limit(&def, what) /
                            (3.8 / sqrt(12.0 * (corner ? 0.75 * 1.9 : 1.1) * k_n * (first + second))),
                        1.0, 1e-14);
         }
@@ -1365,17 +1373,17 @@ static void limit_of_unequal(void)
         def.walls[k % 2] = grains_line(0.0, -1.0, 0.0, 1.0, &def.material);
         def.walls[!(k % 2)] = def.walls[k % 2];
         def.walls[k % 2].material.k_n = 3.0 * k_n;
-        CHECK_NEAR(dem_time_step_limit(&def, &what) / (3.8 / sqrt(36.0 * k_n * first)), 1.0, 1e-14);
-        CU_ASSERT_STRING_EQUAL(what, "the lightest grain at a wall");
+        CHECK_NEAR(dem_time_step_limit(&def, what) / (3.8 / sqrt(36.0 * k_n * first)), 1.0, 1e-14);
+        CU_ASSERT_STRING_EQUAL(what, check_text("impacts of the lightest grain at wall %d", k % 2 + 1));
         def.n_walls = 0;
         for (int i = 0; i < 4; i++) order[i].fixed = order[i].r != 0.2;
-        CHECK_NEAR(dem_time_step_limit(&def, &what) /
+        CHECK_NEAR(dem_time_step_limit(&def, what) /
                        (3.8 / sqrt(12.0 * k_n * M_PI / 6.0 / asin(1.0 / 3.0) / 0.003)),
                    1.0, 1e-14);
         for (int i = 0; i < 4; i++) order[i].fixed = true;
-        CU_ASSERT(isinf(dem_time_step_limit(&def, &what)) && strcmp(what, "no contact") == 0);
+        CU_ASSERT(isinf(dem_time_step_limit(&def, what)) && strcmp(what, "no contact") == 0);
         order[0].fixed = false, def.n_grains = 1; /* alone */
-        CU_ASSERT(isinf(dem_time_step_limit(&def, &what)) && strcmp(what, "no contact") == 0);
+        CU_ASSERT(isinf(dem_time_step_limit(&def, what)) && strcmp(what, "no contact") == 0);
     }
 }
 
@@ -1403,6 +1411,69 @@ static void limit_of_gear(void)
         def.dt = 0.9999 * start;
         CHECK_OK(dem_create(&def, &sim));
     }
+}
+
+/* What sets the limit is named: what, left out, raises it the most; and at which wall. */
+static void limit_is_named(void)
+{
+    const struct {
+        dem_material c;
+        const char *name;
+    } cases[] = {
+        {{.k_n = 1e6, .gamma_n = 3e3, .mu = 0.2}, "impacts of two"},
+        {{.k_n = 1e6, .mu = 0.2}, "little damped impacts of two"},
+        {{.k_n = 1e4, .k_s = 1e8, .gamma_n = 1e3, .mu = 0.2}, "k_s of two"},
+        {{.k_n = 1e4, .gamma_n = 1e7, .mu = 0.2}, "gamma_n of two"},
+        {{.k_n = 1e4, .gamma_n = 1e3, .gamma_s = 1e7, .mu = 0.2}, "gamma_s of two"},
+        {{.k_n = 1e4, .gamma_n = 1e3, .k_roll = 1e9, .mu = 0.2, .mu_roll = 0.1}, "rolling of two"},
+        {{.k_n = 1e4, .gamma_n = 1e3, .gamma_roll = 1e7, .mu = 0.2, .mu_roll = 0.1}, "rolling of two"}};
+    const dem_grain grains[2] = {{.x = 0.5, .y = 0.5, .r = 0.1, .m = 0.004, .vx = 10.0},
+                                 {.x = 1.5, .y = 0.5, .r = 0.1, .m = 0.004}};
+    for (int k = 0; k < 14; k++) {
+        dem_definition def = grains_afloat(2, grains);
+        dem_limit_name what;
+        scoped_sim *sim = NULL;
+        dem_material c = cases[k / 2].c;
+        c.k_s = fmax(c.k_s, 1.0), c.k_roll = fmax(c.k_roll, 1.0);
+        def.normal = DEM_LINEAR, def.rotation = true, def.n_walls = 2 * (k % 2), def.material = c;
+        def.walls[0] = def.walls[1] = grains_line(-1.0, 0.0, 1.0, 0.0, &def.material);
+        def.walls[1].direction[0] = 0.0, def.walls[1].direction[1] = 1.0;
+        if (k % 2)
+            def.material = (dem_material){.k_n = 1.0, .gamma_n = 1.0, .k_s = 1.0, .k_roll = 1.0, .mu = 0.2};
+        if (k % 2) def.walls[0].material = def.material;
+        const double limit = dem_time_step_limit(&def, what);
+        const char *name = check_text("%.*s", (int)(strlen(cases[k / 2].name) - 3), cases[k / 2].name);
+        const char *of =
+            check_text(k % 2 ? "%sthe lightest grain at wall 2" : "%stwo of the lightest grains", name);
+        CHECK_OR_SAY(strcmp(what, of) == 0, "%s instead of %s", what, of);
+        def.dt = 1.01 * limit;
+        CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, of);
+    }
+}
+
+/* A bound as printed never exceeds itself, and is no farther below than its third digit. */
+static void bounds_are_rounded_down(void)
+{
+    char text[32];
+    for (double v = 1.0007e-9; v < 1e9; v *= 1.0371) {
+        const double read = strtod(rp_text_below(v, text), NULL);
+        CU_ASSERT(read <= v && read > 0.99 * v && strlen(text) <= 9);
+    }
+    CU_ASSERT_STRING_EQUAL(rp_text_below(9.996, text), "9.99");
+    CU_ASSERT_STRING_EQUAL(rp_text_below(0.25, text), "0.25");
+    CU_ASSERT_STRING_EQUAL(rp_text_below(INFINITY, text), "inf");
+}
+
+/* The faster a box turns, the shorter the step; the limit of one that turns by an angle a step is taken. */
+static void limit_of_a_turning_box(void)
+{
+    dem_definition def = grains_box(60, 2.0, 1, NULL);
+    dem_limit_name what;
+    scoped_sim *sim = NULL;
+    def.box_turn_per_step = 1e-2, def.dt = 1e-3;
+    def.dt = strtod(rp_text_below(dem_time_step_limit(&def, what), (char[32]){0}), NULL);
+    CU_ASSERT(def.dt > 0.0);
+    CHECK_OK(dem_create(&def, &sim));
 }
 
 /* A wall along gravity has no height, wherever its point is; the same scene elsewhere and turned. */
@@ -1526,10 +1597,10 @@ static void header_notes(void)
     dem_collision_result c;
     CHECK_OK(dem_collision(
         &(dem_head_on){DEM_HERTZ, true, def.material.k_n, def.material.gamma_n, m_eff, 60.0}, &c));
-    const char *what;
-    const double limit = dem_time_step_limit(&def, &what);
+    dem_limit_name what;
+    const double limit = dem_time_step_limit(&def, what);
     const char *const expected[] = {
-        check_text("dt = 5e-05 s; limit %.3g s, set by %s", limit, what),
+        check_text("dt = 5e-05 s; limit %s s, set by %s", rp_text_below(limit, (char[32]){0}), what),
         check_text("sticking speed: %.3g cm/s", dem_normal_descriptors[DEM_HERTZ].sticking_speed(
                                                     def.material.k_n, def.material.gamma_n, m_eff)),
         check_text("E* = %.3g dyn/cm^2", 0.75 * def.material.k_n / sqrt(0.5 * r)),
@@ -1651,7 +1722,8 @@ CHECK_SUITE(dem, "dem", momentum, mirror_and_relabel, leave, leave_below_others,
             lifted_wall, lifted_wall_drags, outlet, filling, added_far_away, added_one_by_one,
             added_by_either_scheme, added_names_and_errors, faults, bad_definitions, defaults,
             contacts_of_the_start, ranges_of_numbers, ranges_of_walls, ranges_of_ground, ranges_of_grains,
-            ranges_of_scenes, time_step_limit, limit_of_unequal, limit_of_gear, overlaps_too_deep,
-            sine_and_cosine, limit_of_a_fall, limit_without_damping, limit_of_several, limit_in_any_direction,
+            ranges_of_scenes, time_step_limit, limit_of_unequal, limit_of_gear, limit_is_named,
+            bounds_are_rounded_down, limit_of_a_turning_box, overlaps_too_deep, sine_and_cosine,
+            limit_of_a_fall, limit_without_damping, limit_of_several, limit_in_any_direction,
             limit_of_rotation, overlap_of_the_start, energy_of_a_long_spring, header_notes, state_near_rest,
             at_rest)

@@ -627,7 +627,7 @@ static void test_plain_input(void)
     CU_ASSERT(strstr(text, "# normal force: linear, dashpot gamma_n m_eff, which may pull\n# "
                            "shear force: none\n") &&
               !strstr(text, "# start"));
-    GOOD("export l.cfg --to lammps-input -o a.in --set steps=200 --set 'gravity=[0.0,-0.5]'");
+    GOOD("export l.cfg --to lammps-input -o a.in --set steps=200 --set 'gravity=[0.0,-0.5]' --set dt=1e-5");
     slurp("a.in", text, sizeof text);
     CHECK_PARTS(text, "\nvariable every index 2\n", "\nfix gravity mobile gravity 0.5 vector 0 -0.5 0\n");
     FAILS(64, "lammps-input needs a name that ends in .in", "export l.cfg --to lammps-input -o .in");

@@ -93,7 +93,7 @@ static const golden_run runs[] = {
 enum { N_RUNS = sizeof runs / sizeof *runs };
 
 /* Positions, velocities and forces of the scene below. */
-static const uint64_t SCENE_DIGEST = 0x1ff96ac9ea57101b;
+static const uint64_t SCENE_DIGEST = 0x5b594a42a2cd5b47;
 
 static void check_digest(const char *what, uint64_t digest, uint64_t golden)
 {

@@ -91,7 +91,7 @@ static const char *const scenes[] = {
     "tangential = { law = \"spring\"; mu = 0.1; damping = \"inside\"; gamma_s = 300.0; };\n" WALLS GRAINS(
         SPIN),
     "rotation = true; steps = 300; box_turn_deg_per_step = 0.01;\n" FRICTION SOFT
-    "gamma_n = 50.0; };\n" WALLS GRAINS(SPIN),
+    "gamma_n = 300.0; };\n" WALLS GRAINS(SPIN),
     "steps = 400; normal = { law = \"tsuji\"; gamma_n = 0.3; };\n"
     "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; extent = [-9.0, 9.0]; open_at_step = 100;\n"
     "            open_speed = 20.0; } );\n" GRAINS(""),

@@ -107,7 +107,8 @@ static void sliding_block(void)
         if (def.slip == DEM_TOTAL) CHECK_NEAR(l.sliding, 0.0, one_step);
         if (choice & 4) CU_ASSERT(seen(l.shear_damping, &l));
         if (choice == 6)
-            CU_ASSERT(l.shear_damping > 0.0 && l.sliding > 0.0); /* a dashpot far above the limit */
+            CHECK_NEAR(l.shear_damping, l.at_walls - l.normal_damping,
+                       CLOSES * l.turnover); /* which takes all */
     }
 }
 
@@ -392,9 +393,9 @@ static void sticking(void)
         dem_grain grain;
         const dem_material floor = {.k_n = 2e6, .gamma_n = 1e-12, .k_s = 1e4, .mu = INFINITY};
         dem_definition def = kicked(&grain, 3.0, &floor);
-        def.integrator = integrator, def.dt = 9e-5;
+        def.integrator = integrator, def.dt = 4e-5;
         if (dem_scheme_check(&def)) continue;
-        const dem_ledger l = run_closed("sticks", &def, 3000, 10);
+        const dem_ledger l = run_closed("sticks", &def, 6750, 10);
         CHECK_NEAR(losses(&l), 0.0, CLOSES * l.turnover);
         CU_ASSERT(integrator == DEM_VERLET || seen(l.integration, &l));
         dem_grain grains[2];
@@ -489,6 +490,29 @@ static void hit_by_a_belt(void)
     CHECK_PAIRS(CLOSES * l.turnover, {l.wall_work, slid * belt}, {l.hard, slid * belt - gain});
 }
 
+/* Two grains whose distance is below the sum of their radii by its square alone: they touch with overlap 0,
+ * where Mindlin's stiffness is 0. One that comes so slowly that a step does not move it has begun to touch.
+ */
+static void overlap_zero(void)
+{
+    const double r = 0.1, m = 0.0042, far = 1000.0, reach = r + r;
+    double x = reach, y = 0.0;
+    for (int k = 1000; k < 1999 && !(x * x + y * y < reach * reach && sqrt(x * x + y * y) == reach); k++)
+        x = far + 1e-4 * k - far, y = sqrt(reach * reach - x * x);
+    for (int choice = 0; choice < 8; choice++) {
+        dem_grain grains[] = {{far, 0.0, r, m}, {far + x, y, r, m, choice & 1 ? -1e-9 : 0.0, 0.0}};
+        dem_definition def = grains_bare(2, grains, choice & 4 ? DEM_LINEAR : DEM_HERTZ,
+                                         (dem_material){.k_n = 1e5, .k_s = 1e5, .gamma_n = 9.0, .mu = 0.5});
+        def.rotation = true, def.tangential = DEM_MINDLIN, def.dt = 1e-6;
+        def.slip = choice & 2 ? DEM_TOTAL : DEM_TRUNCATED;
+        const dem_ledger l = run_closed("overlap 0", &def, 20, 20);
+        CU_ASSERT(l.start == 0.5 * m * (choice & 1 ? 1e-18 : 0.0) && isfinite(l.sliding));
+        scoped_sim *sim = grains_after(&def, 2);
+        const dem_contact c = grains_only_contact(sim);
+        CU_ASSERT(c.overlap == 0.0 && isfinite(c.shear_spring) && isfinite(c.shear_force));
+    }
+}
+
 CHECK_SUITE(ledger, "energy ledger", impacts, sliding_block, stops_at_the_limit, first_touch, sticking,
             slip_roll, pile_sticks, work_of_a_wall, hit_and_gone, hit_by_a_belt, avalanche, turns,
-            grains_put_in, hard_and_wells, implicit_box, implicit_conserves)
+            grains_put_in, hard_and_wells, implicit_box, implicit_conserves, overlap_zero)

@@ -108,6 +108,7 @@ static void matches_naive_program(void)
         dem_grain grain = {0.385, 0.2, R, M, 7.0, -20.0};
         dem_definition def = grains_floored(1, &grain);
         def.integrator = integrators[k % 2], def.walls[0].material.gamma_n = 100.0;
+        def.damping = DEM_DAMPING_OUTSIDE;
         scoped_sim *sim = grains_start(&def);
         dem_box_turn(sim, rate);
         for (long steps = 100; steps <= 1600; steps *= 2) {
@@ -227,7 +228,7 @@ static void sticking_contact_rings(void)
         dem_grain grains[2] = {{0.0, rest, R, M, v, 0.0}, {0.0, -flat, flat, M, 0.0, 0.0, .fixed = true}};
         dem_definition def = grains_floored(1, grains);
         def.integrator = integrators[k % 2];
-        def.material = (dem_material){.k_n = k_n, .gamma_n = 1e-300, .k_s = k_s, .mu = INFINITY};
+        def.material = (dem_material){.k_n = k_n, .gamma_n = 500.0, .k_s = k_s, .mu = INFINITY};
         def.walls[0].material = def.material, def.skin = 0.04, def.dt = dt;
         if (k / 2) def.n_walls = 0, def.n_grains = 2;
         scoped_sim *sim = grains_start(&def);

@@ -203,8 +203,10 @@ static void test_keys_of_the_scene(void)
         const rp_param *p = rp_params_find(open->schema, others[n].name);
         CU_ASSERT_PTR_NOT_NULL_FATAL(p);
         scoped void *params = protocol_params(open, (const char *const[]){NULL});
-        if (strcmp(others[n].name, "tangential") == 0)
-            CHECK_OK(rp_params_set_text(p, params, "spring")); /* as the text has it */
+        const char *as_in_text = strcmp(others[n].name, "tangential") == 0 ? "spring"
+                                 : strcmp(others[n].name, "damping") == 0  ? "outside"
+                                                                           : NULL;
+        if (as_in_text) CHECK_OK(rp_params_set_text(p, params, as_in_text));
         CU_ASSERT_FATAL(open->hash(params, NULL, &hash[0]));
         CHECK_OK(rp_params_set_text(p, params, others[n].value));
         const bool works = open->hash(params, NULL, &hash[1]);

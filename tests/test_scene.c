@@ -25,7 +25,7 @@ static void example(void)
     CU_ASSERT(s.def.walls[0].material.gamma_n == 500.0 && s.def.walls[0].material.k_s == 1e4);
     CU_ASSERT(s.def.walls[0].open_at_step == -1);
     /* no rotation; rolling resistance would use stiffness and damping of the shear spring */
-    CU_ASSERT(!s.def.rotation && s.def.damping == DEM_DAMPING_OUTSIDE && s.def.material.mu_roll == 0.0);
+    CU_ASSERT(!s.def.rotation && s.def.damping == DEM_DAMPING_INSIDE && s.def.material.mu_roll == 0.0);
     CU_ASSERT(s.def.material.k_roll == 1e4 && s.def.walls[0].material.gamma_roll == 5.0);
     CU_ASSERT(s.def.n_grains == 2 && s.grains[0].m == 1.0 && s.grains[0].vy == -1.0);
     CHECK_NEAR(s.grains[1].m, 4.0 / 3.0 * M_PI * 0.12 * 0.12 * 0.12, 1e-16);
@@ -41,7 +41,7 @@ static void written_and_read(void)
     static const char *const texts[] = {
         NULL,
         "steps = 400; rotation = true; shape = \"disk\"; density = 0.1;\n"
-        "tangential = { law = \"spring\"; mu = 0.3; damping = \"inside\"; };\n"
+        "tangential = { law = \"spring\"; mu = 0.3; damping = \"outside\"; };\n"
         "rolling = { mu = 0.05; k = 2.0e4; gamma = 31.0; };\n"
         "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; mu_roll = 0.02; k_roll = 1.7e4;\n"
         "            gamma_roll = 11.0; } );\n"

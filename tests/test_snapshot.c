@@ -14,6 +14,7 @@
 #include <xxhash.h>
 
 #include "core/clock.h"
+#include "dem/state/state.h"
 #include "sweeps/engine/keep.h"
 #include "tests/faults.h"
 #include "tests/grains.h"
@@ -332,6 +333,36 @@ static void impossible_states(void)
     dem_keep(&s, &copy);
     CU_ASSERT(s.status == RP_BAD_INPUT && !copy);
     CU_ASSERT_STRING_EQUAL(rp_message(), "memory: its state ends too early");
+    dem_free(sim);
+}
+
+/* Each word and truth of the list of parameters is checked. */
+static void unknown_words(void)
+{
+    static const struct {
+        const char *name;
+        size_t at;
+        rp_type type;
+    } members[] = {
+#define MEMBER(kind, type, name, ...) DEM_IF_SCENE(kind, {#name, offsetof(dem_sim, def.name), type}, )
+        DEM_PHYSICS(MEMBER)};
+    dem_definition def = scene_of(FIXED);
+    dem_sim *sim = grains_start(&def), *copy = sim;
+    RP_ENDS(rp_snapshot_free) rp_snapshot s = {0};
+    dem_keep(&s, &copy);
+    s.reading = true, s.path = "memory";
+    for (size_t k = 0; k < sizeof members / sizeof *members; k++) {
+        unsigned char *byte = s.bytes + members[k].at;
+        const unsigned char before = *byte;
+        if (members[k].type == RP_REAL) continue;
+        *byte = 77;
+        s.at = 0, s.status = RP_OK;
+        dem_keep(&s, &copy);
+        CHECK_OR_SAY(s.status == RP_BAD_INPUT && strstr(rp_message(), "unknown words"), "%s",
+                     members[k].name);
+        CU_ASSERT_PTR_NULL(copy);
+        *byte = before;
+    }
     dem_free(sim);
 }
 
@@ -705,6 +736,6 @@ static void stopped_row(void)
 }
 
 CHECK_SUITE_WITHIN(snapshot, "snapshot", enter, leave, every_law_integrator_and_feature, large_pile,
-                   damaged_files, foreign_files, impossible_states, full_disk, killed_runs, stopped_runs,
-                   refused_resumes, no_snapshot, protocol_repose, protocol_stress, protocol_onset,
+                   damaged_files, foreign_files, impossible_states, unknown_words, full_disk, killed_runs,
+                   stopped_runs, refused_resumes, no_snapshot, protocol_repose, protocol_stress, protocol_onset,
                    protocol_drop, synced, sweep_rows, stopped_sweep, stopped_row)

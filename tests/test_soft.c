@@ -90,8 +90,8 @@ static void limit_of_a_well(void)
         dem_definition def = on_ground(&grain, 1);
         def.ground.a = 1e-6;
         const double weight = m * (high ? 2.0 * height / (4.0 * R) : 1.0);
-        const char *what;
-        CHECK_NEAR(dem_time_step_limit(&def, &what) / (3.4 / sqrt(12.0 * MU_STATIC * weight / (1e-6 * m))),
+        dem_limit_name what;
+        CHECK_NEAR(dem_time_step_limit(&def, what) / (3.4 / sqrt(12.0 * MU_STATIC * weight / (1e-6 * m))),
                    1.0, 1e-14);
         CU_ASSERT_STRING_EQUAL(what, "the lightest grain in a well of the ground");
     }

@@ -800,7 +800,7 @@ static void refused(void)
          "omega = 30000: must be below one radian a step"},
         {"dt = 1e-4; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; velocity = [0.0, 500.0]; } "
          ");" ONE,
-         "dt = 0.0001: too large for the lightest grain at a wall"}};
+         "dt = 0.0001: too large for impacts of the lightest grain at wall 1"}};
     for (size_t k = 0; k < sizeof starts / sizeof *starts; k++) {
         scoped_scene s = {0};
         dem_sim *sim = NULL;

@@ -439,6 +439,7 @@ static dem_sim *start_full_box(int scheme, double mu, bool lid)
 {
     dem_definition def = grains_box(MANY, WIDTH, 17, NULL);
     def.integrator = scheme, def.material.mu = mu;
+    def.damping = DEM_DAMPING_OUTSIDE; /* a drag: grains without friction would sway on */
     for (size_t w = 0; w < def.n_walls; w++) def.walls[w].material.mu = mu;
     if (lid) def.walls[def.n_walls++] = grains_line(0.0, HEIGHT, 0.0, -1.0, &def.walls[0].material);
     def.x_max = lid ? INFINITY : 1.5 * WIDTH;

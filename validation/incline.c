@@ -122,6 +122,7 @@ static void slides(void)
         const dem_material c = {.k_n = 1e6, .gamma_n = 500.0, .k_s = 1e4, .gamma_s = gamma_s, .mu = mu};
         dem_grain grain;
         dem_definition def = incline(angle, &c, 0.0, &grain);
+        def.damping = DEM_DAMPING_OUTSIDE;
         scoped_sim *sim = grains_start(&def);
         case_near(&terminal_problem, "speed", pull / gamma_s, run(sim, 32.0 / gamma_s, def.dt).vx,
                   1e-12 * G / gamma_s, "mu=%g angle=%g gamma_s=%g", mu, angle, gamma_s);

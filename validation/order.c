@@ -136,7 +136,7 @@ static dem_definition flight(const law *p, int integrator, double dt, double pha
     dem_definition def = dem_definition_default();
     def.gravity[1] = 0.0, def.dt = dt, def.integrator = integrator;
     def.implicit.tolerance = 1e-15, def.normal = p->normal, def.tension = p->tension;
-    def.tangential = p->k_s > 0.0 ? DEM_SPRING : DEM_NONE;
+    def.tangential = p->k_s > 0.0 ? DEM_SPRING : DEM_NONE, def.damping = DEM_DAMPING_OUTSIDE;
     def.material = (dem_material){
         .k_n = stiffness(p), .gamma_n = p->gamma_n, .k_s = p->k_s, .gamma_s = p->gamma_s, .mu = p->mu};
     grains_on_floor(&def, 1, grain);

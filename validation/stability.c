@@ -582,6 +582,91 @@ static bool box_rests(int law, int scheme, double gamma, long stream, double tim
     return good;
 }
 
+/* ---- Energy that little damped beds gain */
+
+/* What a step of 0.99 of the limit brings in over what is dissipated, until a bed or a lattice of equal
+ * grains that falls by three radii has come down; no bed is shaken. */
+static double brought_in(int law, int scheme, double damping, double shear, double inside, bool lattice,
+                         long run)
+{
+    enum { N = 48 };
+    dem_grain *grains;
+    dem_definition def = grains_box(N, 2.0, run, &grains);
+    const double k_n = law == DEM_LINEAR ? 1e5 : 1e6,
+                 k = slope_of(&(stability_case){.law = law, .k_n = k_n}, 0.01);
+    for (int i = 0; i < N && lattice; i++) { /* rows of ten and nine */
+        const int odd = i % 19 > 9, row = 2 * (i / 19) + odd, of = i % 19 - 10 * odd;
+        grains[i] = (dem_grain){
+            .x = R * (1 + 2 * of + odd), .y = R * (4.0 + sqrt(3.0) * row), .r = 0.999 * R, .m = M};
+    }
+    def.normal = law, def.integrator = scheme, def.ledger = true, def.tension = false;
+    def.damping = inside ? DEM_DAMPING_INSIDE : DEM_DAMPING_OUTSIDE;
+    def.tangential = shear > 0.0 ? DEM_SPRING : DEM_NONE;
+    def.material = (dem_material){.k_n = k_n,
+                                  .gamma_n = damping * sqrt(k / (0.5 * M)),
+                                  .k_s = shear * k,
+                                  .mu = shear > 0.0 ? 0.5 : 0.0};
+    for (size_t w = 0; w < def.n_walls; w++) def.walls[w].material = def.material;
+    def.dt = 0.99 * dem_time_step_limit(&def, NULL);
+    scoped_sim *sim = grains_start(&def);
+    CHECK_OK(dem_run(sim, lround(0.3 / def.dt)));
+    const dem_ledger l = grains_ledger(sim);
+    return l.integration / (l.normal_damping + l.shear_damping + l.sliding);
+}
+
+static void little_damped(void)
+{
+    const double dampings[] = {0.01, 0.1, 0.003, 0.03, 0.3}, shears[] = {1.0, 0.0, 0.7, 0.3, 0.07};
+    CHECK_TABLE(out, "stability_little_damped",
+                "law [word], integrator [word], gamma_over_omega, k_s [slope of the normal force], lattice, "
+                "brought_in [of what is dissipated]");
+    const int n = check_full() ? 5 : check_fast() ? 1 : 2;
+    for (int scheme = DEM_VERLET; scheme <= DEM_GEAR5; scheme++)
+        for (int law = DEM_HERTZ; law <= DEM_LINEAR; law++)
+            for (int d = 0; d < n; d++)
+                for (int q = 0; q < n; q++)
+                    for (int lattice = 0; lattice < 2; lattice++) {
+                        const double part =
+                            brought_in(law, scheme, dampings[d], shears[q], (d + q) % 2, lattice, 3 + d);
+                        CHECK_OR_SAY(part < 0.01, "%s, %s, gamma %g, k_s %g, lattice %d: %g",
+                                     dem_normal_descriptors[law].name, dem_schemes[scheme]->name, dampings[d],
+                                     shears[q], lattice, part);
+                        if (out)
+                            fprintf(out, "%s\t%s\t", dem_normal_descriptors[law].name,
+                                    dem_schemes[scheme]->name);
+                        CHECK_ROW(out, NULL, dampings[d], shears[q], (double)lattice, part);
+                    }
+}
+
+/* An undamped gas gains less than 1 % of its energy in 20 impacts a grain, at 0.99 of its limit. */
+static void undamped_gas(void)
+{
+    for (int k = 0; k < 2 * DEM_NORMAL_N; k++) {
+        dem_grain grains[GAS];
+        scoped_rng *random = numbers_of(13, (unsigned long)k);
+        const double v = 60.0, width = 1.51;
+        for (int i = 0; i < GAS; i++) {
+            const double angle = 2.0 * M_PI * gsl_rng_uniform(random);
+            grains[i] = (dem_grain){.x = 0.13 + 0.25 * (i % 6),
+                                    .y = 0.13 + 0.25 * (i / 6),
+                                    .r = R * (1.0 - 0.1 * (i % 3)),
+                                    .m = M};
+            grains[i].vx = v * cos(angle), grains[i].vy = v * sin(angle);
+        }
+        dem_definition def = grains_bare(GAS, grains, k / 2, (dem_material){.k_n = 1e6});
+        def.integrator = k % 2 ? DEM_GEAR5 : DEM_VERLET;
+        dem_box_walls(&def, width, &def.material);
+        def.walls[def.n_walls++] = grains_line(0.0, width, 0.0, -1.0, &def.material);
+        def.dt = 0.99 * dem_time_step_limit(&def, NULL);
+        scoped_sim *sim = grains_start(&def);
+        const double before = grains_energy(sim),
+                     free_path = 0.1; /* of 36 grains in 1.5 x 1.5, at walls too: some 0.1 */
+        CHECK_OK(dem_run(sim, lround(20.0 * free_path / v / def.dt)));
+        CHECK_OR_SAY(grains_energy(sim) / before - 1.0 < 0.01, "law %d: %g", k,
+                     grains_energy(sim) / before - 1.0);
+    }
+}
+
 /* Boxes of falling grains rest at the limit; the table has its largest multiple at which all three do. */
 static void boxes(void)
 {
@@ -608,4 +693,5 @@ static void boxes(void)
             }
 }
 
-CHECK_SUITE(stability, "validation: stability", largest_time_step, implicit_rest, implicit_limits, boxes)
+CHECK_SUITE(stability, "validation: stability", largest_time_step, implicit_rest, implicit_limits, boxes,
+            little_damped, undamped_gas)

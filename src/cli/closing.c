@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#include "core/elementary.h"
 #include "params/units.h"
 
 /* The grains, mean diameter, weight times diameter, extent in x and least y. */
@@ -25,7 +26,7 @@ static rp_status measure(rp_arena *arena, const dem_sim *sim, pile *s)
         s->bottom = fmin(s->bottom, p->y - p->r);
     }
     dem_gravity(sim, gravity);
-    s->weight = m * hypot(gravity[0], gravity[1]);
+    s->weight = m * rp_hypot(gravity[0], gravity[1]);
     return RP_OK;
 }
 

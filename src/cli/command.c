@@ -181,7 +181,8 @@ int cli_main(const cli_program *program, int argc, char **argv)
     cli_call call = {.arena = &arena, .program = program, .line = line_of(&arena, program->name, argc, argv)};
     const bool named = argc > 1 && cli_find(program->commands, argv[1]);
     if (argc < 2) cli_overview(program, NULL, stderr);
-    rp_status status = argc < 2 ? RP_USAGE : run_among(&call, NULL, argc, argv);
+    rp_status status = argc < 2 ? RP_USAGE : rp_build_check();
+    if (!status) status = run_among(&call, NULL, argc, argv);
     /* a failed write is an error, and a failure has one message */
     if (!status) status = rp_file_finish(stdout, "standard output");
     if (status && argc > 1)

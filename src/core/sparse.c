@@ -16,9 +16,10 @@ struct rp_stiffness {
     int *row;      /* [2 n] index of each unknown in L */
     cholmod_common common;
     cholmod_sparse *A;
-    cholmod_factor *S, *L;        /* supernodal analysis of large piles; the factor */
-    cholmod_dense *b, *x, *y, *e; /* right side, solution, CHOLMOD's workspace */
-    cholmod_dense *p, *q;         /* conjugate gradients: direction, matrix times it */
+    cholmod_factor *S, *L; /* supernodal analysis of large piles; the factor */
+    double *work;          /* [2 n] of a factorisation or solution; then of conjugate gradients, */
+    double *left, *solved; /* what is left of the right side, and its solution, */
+    cholmod_dense *p, *q;  /* direction, matrix times it */
 };
 
 /* Number of disks from which nested dissection and supernodes are faster for a single factorisation. */
@@ -83,10 +84,9 @@ static bool analyse(rp_stiffness *m, size_t n_bonds, const rp_pair *bonds, bool 
     c->method[0].ordering = CHOLMOD_GIVEN;
     m->A =
         cholmod_allocate_sparse(2 * m->n, 2 * m->n, 3 * m->n + 4 * n_bonds, true, true, -1, CHOLMOD_REAL, c);
-    m->b = cholmod_zeros(2 * m->n, 1, CHOLMOD_REAL, c);
     m->p = cholmod_zeros(2 * m->n, 1, CHOLMOD_REAL, c);
     m->q = cholmod_zeros(2 * m->n, 1, CHOLMOD_REAL, c);
-    if (!m->A || !m->b || !m->p || !m->q) return false;
+    if (!m->A || !m->p || !m->q) return false;
     if (!order_disks(m, n_bonds, bonds, often, order)) return false;
     set_pattern(m, bonds);
     /* from the last disk on, as nothing may be overwritten before it is read */
@@ -110,8 +110,10 @@ rp_status rp_stiffness_create(size_t n, size_t n_bonds, const rp_pair *bonds, bo
     cholmod_start(&m->common);
     m->first = calloc(n + 2, sizeof *m->first);
     m->row = malloc(2 * n * sizeof *m->row);
+    m->work = calloc(6 * n + 1, sizeof *m->work);
+    m->left = m->work + 2 * n, m->solved = m->work + 4 * n;
     int *order = malloc(2 * n * sizeof *order);
-    bool good = m->first && m->row && order;
+    bool good = m->first && m->row && m->work && order;
     if (good) {
         for (size_t k = 0; k < n_bonds; k++) m->first[bonds[k].a + 1]++;
         for (size_t a = 0; a < n; a++) m->first[a + 1] += m->first[a];
@@ -132,11 +134,12 @@ void rp_stiffness_free(rp_stiffness *m)
     cholmod_free_sparse(&m->A, &m->common);
     cholmod_free_factor(&m->S, &m->common);
     cholmod_free_factor(&m->L, &m->common);
-    cholmod_dense **const dense[] = {&m->b, &m->x, &m->y, &m->e, &m->p, &m->q};
+    cholmod_dense **const dense[] = {&m->p, &m->q};
     for (size_t k = 0; k < sizeof dense / sizeof *dense; k++) cholmod_free_dense(dense[k], &m->common);
     cholmod_finish(&m->common);
     free(m->first);
     free(m->row);
+    free(m->work);
     free(m);
 }
 
@@ -209,11 +212,54 @@ static bool factorise_by_supernodes(rp_stiffness *m)
     return false;
 }
 
+/* L D L' row after row (Davis 2005, ACM Trans. Math. Softw. 31), with the same bits on every processor. */
+static bool factorise_by_rows(rp_stiffness *m)
+{
+    cholmod_common *c = &m->common;
+    cholmod_factor *L = m->L;
+    const int n = (int)(2 * m->n);
+    if (!L || (L->xtype == CHOLMOD_PATTERN &&
+               !cholmod_change_factor(CHOLMOD_REAL, false, false, false, true, L, c)))
+        return false;
+    cholmod_sparse *upper = cholmod_ptranspose(m->A, 1, L->Perm, NULL, 0, c);
+    int *parent = malloc((size_t)(3 * n + 1) * sizeof *parent), *seen = parent + n, *stack = seen + n;
+    const int *at = L->p, *first = upper ? upper->p : NULL, *of = upper ? upper->i : NULL;
+    int *rows = L->i, *nz = L->nz, k = 0;
+    double *y = m->work, *l = L->x;
+    memset(y, 0, (size_t)n * sizeof *y);
+    for (double pivot = 1.0; upper && parent && k < n && pivot != 0.0; k++) {
+        int top = n;
+        parent[k] = -1, seen[k] = k;
+        for (int e = first[k]; e < first[k + 1]; e++) {
+            int depth = 0;
+            y[of[e]] += ((const double *)upper->x)[e];
+            for (int i = of[e]; seen[i] != k; i = parent[i]) {
+                if (parent[i] < 0) parent[i] = k;
+                seen[i] = k, stack[depth++] = i;
+            }
+            while (depth > 0) stack[--top] = stack[--depth];
+        }
+        pivot = y[k], y[k] = 0.0;
+        for (; top < n; top++) {
+            const int i = stack[top], end = at[i] + nz[i]++;
+            const double value = y[i], part = value / l[at[i]];
+            y[i] = 0.0;
+            for (int e = at[i] + 1; e < end; e++) y[rows[e]] -= l[e] * value;
+            pivot -= part * value;
+            rows[end] = k, l[end] = part;
+        }
+        rows[at[k]] = k, nz[k] = 1, l[at[k]] = pivot;
+        L->minor = (size_t)(k + (pivot != 0.0));
+    }
+    const bool good = upper && parent;
+    cholmod_free_sparse(&upper, c);
+    free(parent);
+    return good;
+}
+
 rp_status rp_stiffness_factorise(rp_stiffness *m, rp_pivots *pivots)
 {
-    if (!(m->S && factorise_by_supernodes(m)) && !(m->L && cholmod_factorize(m->A, m->L, &m->common)) &&
-        m->common.status != CHOLMOD_NOT_POSDEF)
-        return no_memory(m->n);
+    if (!(m->S && factorise_by_supernodes(m)) && !factorise_by_rows(m)) return no_memory(m->n);
     read_pivots(m, pivots);
     return RP_OK;
 }
@@ -244,10 +290,17 @@ rp_status rp_stiffness_update(rp_stiffness *m, bool add, size_t n_bonds, const r
 
 rp_status rp_stiffness_solve(rp_stiffness *m, const double *b, double *x)
 {
-    memcpy(m->b->x, b, 2 * m->n * sizeof *b);
-    if (!cholmod_solve2(CHOLMOD_A, m->L, m->b, NULL, &m->x, NULL, &m->y, &m->e, &m->common))
-        return no_memory(m->n);
-    memcpy(x, m->x->x, 2 * m->n * sizeof *x);
+    const int *at = m->L->p, *rows = m->L->i, *nz = m->L->nz, *order = m->L->Perm, n = (int)(2 * m->n);
+    const double *l = m->L->x;
+    double *y = m->work;
+    for (int j = 0; j < n; j++) y[j] = b[order[j]];
+    for (int j = 0; j < n; j++)
+        for (int e = at[j] + 1; e < at[j] + nz[j]; e++) y[rows[e]] -= l[e] * y[j];
+    for (int j = n; j-- > 0;) {
+        y[j] /= l[at[j]];
+        for (int e = at[j] + 1; e < at[j] + nz[j]; e++) y[j] -= l[e] * y[rows[e]];
+    }
+    for (int j = 0; j < n; j++) x[order[j]] = y[j];
     return RP_OK;
 }
 
@@ -261,16 +314,16 @@ static double product(const double *a, const double *b, size_t n)
 rp_status rp_stiffness_solve_near(rp_stiffness *m, const double *b, double *x, bool *found)
 {
     const size_t n = 2 * m->n;
-    double *r = m->b->x, *p = m->p->x, *q = m->q->x, one[] = {1, 0}, zero[] = {0, 0}, last = INFINITY;
+    double *r = m->left, *z = m->solved, *p = m->p->x, *q = m->q->x, one[] = {1, 0}, zero[] = {0, 0},
+           last = INFINITY;
     const double enough = NEAR * NEAR * product(b, b, n);
     memcpy(r, b, n * sizeof *b);
     memset(x, 0, n * sizeof *x);
     memset(p, 0, n * sizeof *p);
     *found = false;
     for (int k = 0; k < ITERATIONS && !*found; k++) {
-        if (!cholmod_solve2(CHOLMOD_A, m->L, m->b, NULL, &m->x, NULL, &m->y, &m->e, &m->common))
-            return no_memory(m->n);
-        const double *z = m->x->x, now = product(r, z, n);
+        RP_TRY(rp_stiffness_solve(m, r, z));
+        const double now = product(r, z, n);
         for (size_t i = 0; i < n; i++) p[i] = z[i] + now / last * p[i];
         last = now;
         if (!cholmod_sdmult(m->A, false, one, zero, m->p, m->q, &m->common)) return no_memory(m->n);

@@ -1,8 +1,8 @@
 /* Stiffness matrix of disks on a network of possible contacts: symmetric, a 2x2 block for each disk and each
- * bond. Factorised as L D L' by CHOLMOD without pivoting, so that an indefinite matrix is allowed and the
- * signs of D count its negative eigenvalues (Sylvester). The pattern is analysed once. Large positive
- * matrices are factorised with BLAS and OpenMP. Bits then depend on the BLAS, and a process with OpenMP
- * threads can't be forked to factorise again. */
+ * bond. Factorised as L D L' without pivoting, so that an indefinite matrix is allowed and the signs of D
+ * count its negative eigenvalues (Sylvester). CHOLMOD analyses the pattern once, and updates factors. Large
+ * positive matrices, of 20000 disks, are factorised with BLAS and OpenMP. Bits then depend on the BLAS, and a
+ * process with OpenMP threads can't be forked to factorise again. */
 #ifndef RP_STIFFNESS_H
 #define RP_STIFFNESS_H
 
@@ -48,7 +48,7 @@ rp_status rp_stiffness_factorise(rp_stiffness *m, rp_pivots *pivots);
 rp_status rp_stiffness_update(rp_stiffness *m, bool add, size_t n_bonds, const rp_pair *bonds,
                               const double (*direction)[2], rp_pivots *pivots);
 
-/* Solve for 2n unknowns x0 y0 x1 y1 ... with the last factorisation; `b` may be `x`. Errors: RP_NO_MEMORY. */
+/* Solve for 2n unknowns x0 y0 x1 y1 ... with the last factorisation; `b` may be `x`. Errors: none. */
 rp_status rp_stiffness_solve(rp_stiffness *m, const double *b, double *x);
 
 /* Solve for the matrix assembled since, close to the factorised one, which must be positive: conjugate

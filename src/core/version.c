@@ -35,3 +35,14 @@ const char rp_build_commit[] = RP_COMMIT;
 const char rp_build_compiler[] = COMPILER __VERSION__ " " RP_FLAGS;
 const char rp_build_libraries[] = "GSL " GSL_VERSION ", libconfig " LIBCONFIG ", SQLite " SQLITE_VERSION
                                   ", CHOLMOD " CHOLMOD ", xxHash " XXHASH ", Random123 philox4x32-10";
+
+/* Arm has fused instructions always, and no macro tells whether the compiler takes them. */
+rp_status rp_build_check(void)
+{
+    static const volatile double known =
+        0x1.0000002p+0; /* 1 + 2^-27, its square 2^-54 above the other term */
+    const double a = known;
+    if (a * a - 0x1.0000004p+0 == 0.0) return RP_OK;
+    return rp_fail(RP_BROKEN, "this build fuses products and sums, which changes the bits of results: build "
+                              "with -ffp-contract=off");
+}

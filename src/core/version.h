@@ -14,6 +14,9 @@ RP_C_BEGIN
 
 extern const char rp_build_commit[], rp_build_compiler[], rp_build_libraries[];
 
+/* RP_BROKEN: this build has fused arithmetic, where the preprocessor could not see that. */
+rp_status rp_build_check(void);
+
 RP_C_END
 
 #endif

@@ -152,7 +152,7 @@ typedef struct {
     dem_wall walls[DEM_FEW_WALLS];
     const dem_wall *wall_list; /* if not NULL, the walls are these, of any number; borrowed as the grains */
     double radius_to_come;     /* mean radius of grains that are added to none; 0: there must be some */
-    double mass_to_come;       /* their mean mass, for a restitution */
+    double mass_to_come; /* their mean mass, for a restitution; of all, if known, for the largest step */
     size_t n_grains;
     const dem_grain *grains; /* borrowed until dem_create returns */
     /* Contacts that the start already has, as dem_contacts gives them, ids by the order of the grains: their
@@ -191,8 +191,9 @@ dem_physics dem_physics_default(void);
 void dem_physics_apply(const dem_physics *p, dem_definition *def);
 dem_physics dem_physics_of(const dem_definition *def, double density);
 
-/* The coefficients of a wall: those given, and for negative ones the grains' times the factor of the list. */
-dem_material dem_wall_material(const dem_material *given, const dem_material *grains);
+/* The coefficients of a wall: those given; for negative ones the grains' times the factor of the list, or
+ * where these are "auto" too what follows from the wall's own. */
+dem_material dem_wall_material(const dem_material *given, const dem_physics *grains);
 extern const dem_material dem_material_auto; /* all negative */
 
 /* Refuse parameters that contradict one another: coefficients of the grains or a wall of a definition; those
@@ -224,14 +225,16 @@ const char *dem_fault_text(dem_fault fault);
 
 /* Largest time step that the definition allows, 3.4/(3 gamma + sqrt(9 gamma^2 + 12 omega^2)): 0.85 of the
  * stability limit of a packing's fastest mode; with Verlet and the linear law 0.95 of it. omega^2 and gamma
- * belong to the quickest contact in an impact from the start's height and speed; limits.c derives them. Where
- * a contact has no normal damping, also that at which an impact changes the energy by 1 % at most. A single
- * pair becomes unstable at about twice the limit. Gear has a further limit, see gear.c; the implicit
- * integrator has none, INFINITY. `what` (may be NULL) names the contact that sets the limit. dem_create also
- * checks the overlaps of the start. Measured in validation/stability.c. */
-double dem_time_step_limit(const dem_definition *def, const char **what);
+ * belong to the quickest contact in an impact from the start's height and speed; limits.c derives them. With
+ * little normal damping, also that at which impacts of mean grains bring in less than 1 % of what is
+ * dissipated, but no less than that at which an impact changes the energy by 1 % at most. A single pair
+ * becomes unstable at about twice the limit. Gear has a further limit, see gear.c; the implicit integrator
+ * has none, INFINITY. `what` (may be NULL) names what sets the limit, and the contact. dem_create also checks
+ * the overlaps of the start. Measured in validation/stability.c. */
+typedef char dem_limit_name[80];
+double dem_time_step_limit(const dem_definition *def, dem_limit_name what);
 
-/* The error of a time step above that limit: RP_BAD_INPUT. */
+/* The error of a time step above that limit, which it prints rounded down: RP_BAD_INPUT. */
 rp_status dem_refuse_step(const dem_definition *def, double limit, const char *what);
 
 /* Check the definition and make a simulation at step 0; free with dem_free.
@@ -366,6 +369,10 @@ typedef struct dem_contact {
 
 /* All contacts, walls included; *contacts is a new array (free it). Errors: RP_NO_MEMORY. */
 rp_status dem_contacts(const dem_sim *sim, dem_contact **contacts, size_t *n);
+
+/* Number of contacts; *over is how many have a shear force above Coulomb's limit mu max(F_n, 0), as only a
+ * dashpot outside the limit makes it. Without such a dashpot both are 0. */
+size_t dem_over_friction(const dem_sim *sim, size_t *over);
 
 /* Energies: kinetic of the translation, elastic (normal, shear and rolling springs, wells of the ground),
  * gravity (from the origin; of what can move), kinetic of the rotation. */

@@ -126,9 +126,7 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     sim->list.even_margins = def->skin > 0.0 || sim->scheme->even_margins;
     sim->list.most_tests = MOST_TESTS;
     sim->start.speed = dem_impact_speed(def);
-    const char *limit_of;
-    sim->start.dt_limit = dem_time_step_limit(def, &limit_of);
-    snprintf(sim->start.dt_limit_of, sizeof sim->start.dt_limit_of, "%s", limit_of);
+    sim->start.dt_limit = dem_time_step_limit(def, sim->start.dt_limit_of);
     RP_TRY(dem_neighbours_alloc(sim));
     if (def->ledger) RP_TRY(dem_ledger_alloc(sim));
     return start_forces(sim, def);
@@ -186,8 +184,8 @@ static rp_status check_new_grain(const dem_sim *sim, const dem_grain *p)
     dem_definition def = sim->def;
     def.grains = (dem_grain[]){*p, *p};
     def.n_grains = 2;
-    const char *what;
-    double limit = dem_time_step_limit(&def, &what);
+    dem_limit_name what;
+    double limit = dem_time_step_limit(&def, what);
     if (def.dt > limit) return dem_refuse_step(&def, limit, what);
     for (size_t i = 0; i < sim->grains.n; i++) {
         dem_vec d = sim->grains.motion[i].x - (dem_vec){p->x, p->y};

@@ -38,20 +38,13 @@ uint64_t dem_keep_layout(void)
 static void check_numbers(rp_snapshot *s, const dem_sim *sim)
 {
     const dem_definition *def = &sim->def;
-    const unsigned words[][2] = {{def->integrator, DEM_INTEGRATORS},
-                                 {def->normal, DEM_NORMAL_N},
-                                 {def->tangential, DEM_TANGENTIAL_N},
-                                 {def->slip, DEM_TOTAL + 1},
-                                 {def->damping, DEM_DAMPING_INSIDE + 1},
-                                 {def->shape, DEM_DISK + 1},
-                                 {def->kernel, DEM_KERNELS},
+    const unsigned words[][2] = {{def->kernel, DEM_KERNELS},
                                  {def->implicit.solver, DEM_SOLVER_SOR + 1},
                                  {def->ground.set, DEM_WELL_AGAIN + 1}};
     if (s->status || !s->path) return;
-    bool known = true;
+    bool known = dem_words_known(def);
     for (size_t k = 0; k < sizeof words / sizeof *words; k++) known &= words[k][0] < words[k][1];
-    const bool *const bools[] = {&def->tension, &def->rotation,          &def->hard.on,
-                                 &def->ledger,  &sim->list.even_margins, &sim->too_deep};
+    const bool *const bools[] = {&def->hard.on, &def->ledger, &sim->list.even_margins, &sim->too_deep};
     for (size_t k = 0; k < sizeof bools / sizeof *bools; k++) known &= rp_keep_bool(bools[k]);
     rp_keep_check(s, known, "unknown words in its definition");
     if (s->status) return;

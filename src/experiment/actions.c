@@ -206,7 +206,7 @@ void exp_check_speed(exp_run *run, const char *whose, const double v[2], bool gr
     *most = size;
     const dem_state *s = exp_states(run);
     dem_definition def = run->at.now.laws == SIZE_MAX ? plan->scene.def : plan->phases[run->at.now.laws].def;
-    const char *what;
+    dem_limit_name what;
     RP_SCOPE(arena);
     dem_grain *grains = rp_arena_memory(&arena, run->n_states + 1, sizeof *grains);
     if (!s || !grains || run->n_states == 0) return;
@@ -215,7 +215,7 @@ void exp_check_speed(exp_run *run, const char *whose, const double v[2], bool gr
     if (!gravity) grains->vx = size;
     def.grains = grains, def.n_grains = run->n_states, def.gravity[0] = def.gravity[1] = 0.0;
     if (gravity) memcpy(def.gravity, v, sizeof def.gravity);
-    const double limit = dem_time_step_limit(&def, &what);
+    const double limit = dem_time_step_limit(&def, what);
     if (def.dt <= limit) return;
     (void)dem_refuse_step(&def, limit, what);
     exp_conclude(run, "too_fast", "phase %s, step %ld: %s: %s", plan->phases[run->at.phase].name,

@@ -80,7 +80,7 @@ static void keep_ids(rp_snapshot *s, exp_run *run)
 
 uint64_t exp_keep_layout(void)
 {
-    return sizeof((exp_run *)NULL)->at << 10 ^ sizeof(exp_sampled) ^ 2;
+    return sizeof((exp_run *)NULL)->at << 10 ^ sizeof(exp_sampled) ^ 3;
 }
 
 static void keep_measure(rp_snapshot *s, exp_run *run, size_t k)
@@ -100,9 +100,10 @@ static void keep_place(rp_snapshot *s, exp_run *run, size_t n)
     RP_KEEP(s, run->at);
     rp_keep_check(s,
                   rp_keep_bool(&run->at.started) && rp_keep_bool(&run->at.done) &&
-                      rp_keep_bool(&run->at.now.touched) && run->at.phase <= p->n_phases &&
-                      (run->at.done || run->at.phase < p->n_phases) && run->at.phase_step >= 0 &&
-                      has_laws(p, &run->at.now) && memchr(run->at.end.status, 0, sizeof run->at.end.status) &&
+                      rp_keep_bool(&run->at.missed) && rp_keep_bool(&run->at.now.touched) &&
+                      run->at.phase <= p->n_phases && (run->at.done || run->at.phase < p->n_phases) &&
+                      run->at.phase_step >= 0 && has_laws(p, &run->at.now) &&
+                      memchr(run->at.end.status, 0, sizeof run->at.end.status) &&
                       memchr(run->at.end.message, 0, sizeof run->at.end.message),
                   "a place that no run is at");
     for (size_t k = 0; k < n; k++) {
@@ -216,7 +217,8 @@ static rp_status write_end(exp_run *run, size_t phase)
 
 void exp_keep_end(exp_run *run, size_t phase)
 {
-    if (!run->at.done || rp_is_result(run->at.end.status)) run->failed = write_end(run, phase);
+    if (!run->at.missed && (!run->at.done || rp_is_result(run->at.end.status)))
+        run->failed = write_end(run, phase);
 }
 
 /* Read the head of an end; does it have all that a run needs of before? *known: by number of the measure;

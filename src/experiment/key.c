@@ -125,6 +125,9 @@ static void put_scene(const writer *w, size_t end)
     scene.seed = scene.run = 0;
     for (size_t k = 0; k < scene.n_fills; k++) scene.fills[k].seed = scene.fills[k].run = 0;
     dem_scene_write(&scene, out);
+    for (const dem_contact *c = scene.def.contacts; c < scene.def.contacts + scene.def.n_contacts; c++)
+        fprintf(out, "spring %u %u %d %a %a\n", c->id_a, c->id_b, c->wall, c->shear_spring,
+                c->rolling_spring);
     fprintf(out, "rest %a %a %ld %ld\n", plan->rest.energy, plan->rest.force, plan->rest.looks,
             plan->rest.every);
     for (size_t k = 0; k < plan->n_regions; k++) {
@@ -275,15 +278,33 @@ static void let_move(const exp_plan *plan, const exp_phase *p, const exp_move *m
     }
 }
 
+/* The lowest limit of dt that refuses a run: its phase, NULL of the start, and the message. */
+typedef struct {
+    double limit;
+    const exp_phase *phase;
+    char message[512];
+} refusal;
+
+/* Lower it to that of a definition, which a wall's motion sets, or NULL. */
+static void lower(const dem_definition *def, const exp_phase *phase, const exp_wall *wall, refusal *least)
+{
+    dem_limit_name what;
+    const double limit = dem_time_step_limit(def, what);
+    if (def->dt <= limit || limit >= least->limit) return;
+    least->limit = limit, least->phase = phase;
+    (void)(wall ? rp_fail(RP_BAD_INPUT, "wall %s needs dt <= %s, by %s", wall->name,
+                          rp_text_below(limit, (char[32]){0}), what)
+                : dem_refuse_step(def, limit, what));
+    snprintf(least->message, sizeof least->message, "%s", rp_message());
+}
+
 /* The time step of each phase, with its laws, its gravity and the walls' motions that are known, one after
  * the other. */
-static rp_status check_phases(const exp_plan *plan, dem_definition *def)
+static rp_status check_phases(const exp_plan *plan, dem_definition *def, refusal *least)
 {
     RP_SCOPE(arena);
     dem_wall *walls;
-    const char *what;
-    double r = INFINITY, (*gravity)[2]; /* the smallest; of each phase */
-    for (size_t i = 0; i < def->n_grains; i++) r = fmin(r, def->grains[i].r);
+    double(*gravity)[2]; /* of each phase */
     RP_NEW(&arena, walls, def->n_walls);
     memcpy(walls, dem_walls_of(def), def->n_walls * sizeof *walls);
     def->wall_list = walls;
@@ -300,26 +321,13 @@ static rp_status check_phases(const exp_plan *plan, dem_definition *def)
         double degrees = def->box_turn_per_step * (180.0 / M_PI);
         largest(plan, phase, &phase->turn[1], &arena, &degrees);
         def->box_turn_per_step = degrees * (M_PI / 180.0);
-        if (phase->has_laws || exp_given(&phase->gravity[0]) || exp_given(&phase->turn[1])) {
-            const double limit = dem_time_step_limit(def, &what);
-            if (def->dt > limit)
-                return dem_refuse_step(def, limit, what),
-                       rp_config_fail(phase->setting, "phase %s: %s", phase->name, rp_message());
-        }
+        if (phase->has_laws || exp_given(&phase->gravity[0]) || exp_given(&phase->turn[1]))
+            lower(def, phase, NULL, least);
         for (size_t k = 0; k < phase->n_moves; k++) {
             const exp_move *m = &phase->moves[k];
             const exp_wall *wall = &plan->walls[m->wall];
             for (size_t i = 0; i < wall->n; i++) let_move(plan, phase, m, &arena, &walls[wall->walls[i]]);
-            const double limit = dem_time_step_limit(def, &what);
-            if (def->dt > limit)
-                return rp_config_fail(phase->setting, "phase %s: wall %s needs dt <= %.3g, by %s",
-                                      phase->name, wall->name, limit, what);
-            const dem_wall *first = &walls[wall->walls[0]];
-            const double way = rp_hypot(first->velocity[0], first->velocity[1]) * def->dt;
-            if (way > r)
-                return rp_config_fail(phase->setting,
-                                      "phase %s: wall %s moves %g in one step, the smallest radius is %g",
-                                      phase->name, wall->name, way, r);
+            lower(def, phase, wall, least);
         }
     }
     return RP_OK;
@@ -362,11 +370,13 @@ static rp_status stand_ins(const exp_plan *plan, rp_arena *arena, dem_definition
 rp_status exp_check(const exp_plan *plan)
 {
     dem_definition def = plan->scene.def;
-    const char *what;
+    refusal least = {.limit = INFINITY};
     RP_SCOPE(arena);
     RP_TRY(stand_ins(plan, &arena, &def));
     RP_TRY(rp_prefix(dem_physics_check(&def), "%s: ", plan->text->path));
-    const double limit = dem_time_step_limit(&def, &what);
-    if (def.dt <= limit) return check_phases(plan, &def);
-    return rp_prefix(dem_refuse_step(&def, limit, what), "%s: ", plan->text->path);
+    lower(&def, NULL, NULL, &least);
+    RP_TRY(check_phases(plan, &def, &least));
+    if (isinf(least.limit)) return RP_OK;
+    if (!least.phase) return rp_fail(RP_BAD_INPUT, "%s: %s", plan->text->path, least.message);
+    return rp_config_fail(least.phase->setting, "phase %s: %s", least.phase->name, least.message);
 }

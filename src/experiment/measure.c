@@ -70,9 +70,9 @@ static void add_sample(exp_run *run, size_t k)
     if (m->when.x.text && !exp_true(run, &m->when)) return;
     rp_status status = m->module && !run->failed ? exp_module_values(run, m, out) : RP_OK;
     no_numbers(run, m, status, m->module ? m->module->word : "");
-    if (status || (m->module && m->module->add)) return;
+    if ((status && m->optional) || (m->module && m->module->add)) return;
     bool begins = false;
-    const double value = m->module ? out[m->pick] : sampled(run, &m->of, &begins);
+    const double value = status ? NAN : m->module ? out[m->pick] : sampled(run, &m->of, &begins);
     const double beside = m->take == TAKE_LINE ? sampled(run, &m->against, &begins)
                           : m->event.x.text    ? exp_true(run, &m->event)
                                                : 0.0;
@@ -107,10 +107,12 @@ void exp_sample(exp_run *run)
 {
     const exp_phase *phase = &run->plan->phases[run->at.phase];
     const long since = run->at.phase_step - phase->least;
+    run->measuring = true;
     for (size_t k = 0; k < run->plan->n_measures && !run->failed; k++) {
         const exp_measure *m = &run->plan->measures[k];
         if (samples_at_looks(m, run->at.phase) && since > 0 && since % m->every == 0) add_sample(run, k);
     }
+    run->measuring = false;
 }
 
 /* ---- what is made of samples ---- */
@@ -227,7 +229,7 @@ static rp_status avalanches(const exp_measure *m, const exp_samples *s, double o
 }
 
 /* The straight line through the samples. Errors are of independent passes, or of a series whose distances
- * from the line are correlated; of one that is too short for that, as if all were one. */
+ * from the line are correlated; one that is too short for that has none. */
 static rp_status straight(const exp_samples *s, bool is_series, double v[], double x[], double out[])
 {
     stats_line line;
@@ -237,7 +239,7 @@ static rp_status straight(const exp_samples *s, bool is_series, double v[], doub
     RP_TRY(stats_line_fit(&(stats_xy){s->n, x, v, NULL}, false, &line));
     out[0] = line.intercept, out[1] = line.slope;
     for (size_t i = 0; i < s->n; i++) v[i] -= line.intercept + line.slope * x[i];
-    if (is_series && stats_blocking(s->n, v, x, &series)) series.tau = 0.5 * (double)s->n;
+    if (is_series && stats_blocking(s->n, v, x, &series)) return RP_OK;
     const double factor = sqrt(fmax(2.0 * series.tau, 1.0));
     if (line.dof > 0) out[2] = factor * line.intercept_se, out[3] = factor * line.slope_se;
     return RP_OK;
@@ -318,11 +320,12 @@ void exp_measure_phase(exp_run *run, size_t phase)
     const exp_plan *plan = run->plan;
     const exp_phase *p = &plan->phases[phase];
     const bool passes = p->block != SIZE_MAX;
+    run->measuring = true;
     /* a block has ended: first of its phases' samples, which its own measures may use */
     for (size_t i = phase + 1; i <= phase + p->n_inner; i++)
-        for (size_t k = 0; k < plan->n_measures && !run->failed && !run->at.done; k++)
+        for (size_t k = 0; k < plan->n_measures && !run->failed; k++)
             if (samples_in(&plan->measures[k], i)) measure(run, k);
-    for (size_t k = 0; k < plan->n_measures && !run->failed && !run->at.done; k++) {
+    for (size_t k = 0; k < plan->n_measures && !run->failed; k++) {
         const exp_measure *m = &plan->measures[k];
         if (m->left_out || m->phase != phase) continue;
         if (m->take == TAKE_VALUE || !passes)
@@ -330,17 +333,17 @@ void exp_measure_phase(exp_run *run, size_t phase)
         else if (!*m->during)
             add_sample(run, k);
     }
+    run->measuring = false;
 }
 
 void exp_measure_again(exp_run *run, size_t phase, const bool known[])
 {
+    run->measuring = true;
     for (size_t k = 0; k < run->plan->n_measures && !run->failed; k++) {
         const exp_measure *m = &run->plan->measures[k];
-        if (m->left_out || m->phase != phase) continue;
-        if (!known[k] && !run->at.done) measure(run, k);
-        for (size_t o = 0; known[k] && run->at.done && o < m->n_outputs; o++) /* a run ends at the first */
-            run->values[m->output + o] = NAN;
+        if (!m->left_out && m->phase == phase && !known[k]) measure(run, k);
     }
+    run->measuring = false;
 }
 
 /* ---- series ---- */

@@ -49,7 +49,8 @@ exp_within exp_within_now(exp_run *run, const exp_scope *scope)
         a.at[2 * (k % 2) + 1] = fmax(a.at[2 * (k % 2) + 1], points[k]);
     }
     const char *fault = exp_region_fault(&a);
-    if (fault && !run->at.done && !run->failed)
+    run->no_region = fault != NULL;
+    if (fault && !run->failed)
         exp_conclude(run, "no_region", "region %s, step %ld: %s", r->name, run->at.steps, fault);
     return a;
 }
@@ -72,7 +73,9 @@ typedef struct {
     const dem_state *all;
     size_t n, i;
     exp_within in;
-    dem_state s; /* its centre in the box's frame */
+    dem_state s;  /* its centre in the box's frame */
+    bool cut;     /* those that the boundary cuts too */
+    double share; /* of its area that counts */
 } walk;
 
 static walk walk_over(exp_run *run, const exp_scope *scope)
@@ -88,7 +91,9 @@ static bool next(walk *w)
     while (w->i < w->n) {
         w->s = w->all[w->i++];
         dem_box_frame(w->run->sim, &w->s.x, &w->s.y);
-        if (!w->s.fixed && exp_is_within(&w->in, w->s.id, w->s.x, w->s.y)) return true;
+        if (w->s.fixed) continue;
+        w->share = w->cut ? exp_share_within(&w->in, &w->s) : exp_is_within(&w->in, w->s.id, w->s.x, w->s.y);
+        if (w->share > 0.0) return true;
     }
     return false;
 }
@@ -99,7 +104,7 @@ static bool next(walk *w)
 
 /* Sums over the grains of an observable, and their outermost values. */
 typedef struct {
-    double n, mass, kinetic, area;
+    double n, mass, kinetic;
     double few, x, y, vx, vy; /* share with fewer than two contacts; means by mass */
     double speed2, spin, imbalance, left, right, top;
     double lo, hi; /* x of the outermost centres */
@@ -124,7 +129,7 @@ static totals totals_of(exp_run *run, const exp_use *use)
         const dem_state *s = &w.s;
         const double v2 = s->vx * s->vx + s->vy * s->vy, weight = s->m * g,
                      f = sqrt(s->fx * s->fx + s->fy * s->fy);
-        t.n++, t.few += s->contacts < 2, t.mass += s->m, t.area += M_PI * s->r * s->r;
+        t.n++, t.few += s->contacts < 2, t.mass += s->m;
         t.x += s->m * s->x, t.y += s->m * s->y, t.vx += s->m * s->vx, t.vy += s->m * s->vy;
         t.kinetic +=
             0.5 * s->m * v2 + 0.5 * dem_inertia(plan->scene.def.shape, s->m, s->r) * s->omega * s->omega;
@@ -137,6 +142,15 @@ static totals totals_of(exp_run *run, const exp_use *use)
     t.few /= t.n, t.x /= t.mass, t.y /= t.mass, t.vx /= t.mass, t.vy /= t.mass;
     if (t.n == 0.0) t.left = t.right = t.top = 0.0;
     return t;
+}
+
+/* Mass or area of the grains; of those that the boundary of a region cuts, the share within. */
+static double content(exp_run *run, const exp_use *use, bool mass)
+{
+    double sum = 0.0;
+    walk w = walk_over(run, &use->scope);
+    for (w.cut = true; next(&w);) sum += w.share * (mass ? w.s.m : M_PI * w.s.r * w.s.r);
+    return sum;
 }
 
 static dem_rest rest_of(exp_run *run, const exp_use *use)
@@ -308,13 +322,22 @@ static dem_wall_state wall_now(const exp_run *run, const exp_use *use, size_t k)
     return dem_wall_now(run->sim, run->plan->walls[use->scope.index].walls[k]);
 }
 
-/* Its pivot, which moves along; of a whole line its point. In the box, as places of grains. */
+/* The mean over its length, however it is cut into sides; where one has no end, the point of that. In the
+ * box, as places of grains. */
 static double wall_place(const exp_run *run, const exp_use *use, int component)
 {
-    const dem_wall_state w = wall_now(run, use, 0);
-    const bool line = isinf(w.ends[0]) && isinf(w.ends[1]);
-    double p[2];
-    memcpy(p, line ? w.point : w.pivot, sizeof p);
+    double p[2] = {0.0, 0.0}, length = 0.0;
+    for (size_t k = 0; k < run->plan->walls[use->scope.index].n; k++) {
+        const dem_wall_state w = wall_now(run, use, k);
+        double part = w.ends[1] - w.ends[0], middle = 0.5 * (w.ends[0] + w.ends[1]);
+        const bool endless = isinf(part);
+        if (endless) p[0] = p[1] = length = middle = 0.0, part = 1.0;
+        p[0] += part * (w.point[0] + middle * w.direction[1]);
+        p[1] += part * (w.point[1] - middle * w.direction[0]);
+        length += part;
+        if (endless) break;
+    }
+    p[0] /= length, p[1] /= length;
     dem_box_frame(run->sim, &p[0], &p[1]);
     return p[component];
 }
@@ -359,8 +382,9 @@ static double wall_force(exp_run *run, const exp_use *use, int component)
     X(OF_RUN, added, 0, 0, RP_X_NUMBER, "", "grains put in so far", (double)run->at.now.added) \
     X(OF_RUN, touched, 0, 0, RP_X_TRUTH, "", "whether the last that was put in has had a contact at a look", run->at.now.touched) \
     X(OF_RUN, elastic, 0, 0, RP_X_NUMBER, "erg", "elastic energy of all contacts", elastic_energy(run)) \
-    X(OF_PART, grains, 0, 0, RP_X_NUMBER, "", "number of grains", SUM(n)) \
-    X(OF_PART, mass, 0, 0, RP_X_NUMBER, "g", "their mass", SUM(mass)) \
+    X(OF_PART, grains, 0, 0, RP_X_NUMBER, "", "number of grains, those of a region by their centres", SUM(n)) \
+    X(OF_PART, mass, 0, 0, RP_X_NUMBER, "g", "their mass; of those that the boundary of a region cuts, the share of their area within", content(run, use, true)) \
+    X(OF_PART, whole_mass, 0, 0, RP_X_NUMBER, "g", "mass of the grains, those of a region by their centres", SUM(mass)) \
     X(OF_PART, energy, 0, 0, RP_X_NUMBER, "erg", "mean kinetic energy of a grain, of translation and spin, 0 without grains", rest_of(run, use).kinetic_energy) \
     X(OF_PART, kinetic, 0, 0, RP_X_NUMBER, "erg", "sum of the kinetic energies", SUM(kinetic)) \
     X(OF_PART, speed, 0, 0, RP_X_NUMBER, "cm/s", "largest speed of a centre", largest_speed(run, use)) \
@@ -384,9 +408,9 @@ static double wall_force(exp_run *run, const exp_use *use, int component)
     X(OF_REGION, sxx, 0, 0, RP_X_NUMBER, "dyn/cm", "stress: sum of branch vector times force over area, of contacts whose branch has its middle there; compression positive", over_contacts(run, use).xx / area_now(run, use)) \
     X(OF_REGION, sxy, 0, 0, RP_X_NUMBER, "dyn/cm", "its mixed component, the mean of the two", over_contacts(run, use).xy / area_now(run, use)) \
     X(OF_REGION, syy, 0, 0, RP_X_NUMBER, "dyn/cm", "its component along y", over_contacts(run, use).yy / area_now(run, use)) \
-    X(OF_REGION, fraction, 0, 0, RP_X_NUMBER, "", "area of the grains with their centre in it over that of the region", SUM(area) / area_now(run, use)) \
-    X(OF_WALL, x, 0, 0, RP_X_NUMBER, "cm", "the wall's pivot, of a whole line its point", wall_place(run, use, 0)) \
-    X(OF_WALL, y, 0, 0, RP_X_NUMBER, "cm", "the wall's pivot, of a whole line its point", wall_place(run, use, 1)) \
+    X(OF_REGION, fraction, 0, 0, RP_X_NUMBER, "", "area of the grains over that of the region; of those that its boundary cuts, the part within", content(run, use, false) / area_now(run, use)) \
+    X(OF_WALL, x, 0, 0, RP_X_NUMBER, "cm", "middle of the wall by its length, nan of one that is gone; of one without an end its point", wall_place(run, use, 0)) \
+    X(OF_WALL, y, 0, 0, RP_X_NUMBER, "cm", "middle of the wall by its length, nan of one that is gone; of one without an end its point", wall_place(run, use, 1)) \
     X(OF_WALL, vx, 0, 0, RP_X_NUMBER, "cm/s", "its velocity, in a box that turns 0", wall_now(run, use, 0).velocity[0]) \
     X(OF_WALL, vy, 0, 0, RP_X_NUMBER, "cm/s", "its velocity, in a box that turns 0", wall_now(run, use, 0).velocity[1]) \
     X(OF_WALL, angle, 0, 0, RP_X_NUMBER, "rad", "turned in the box since the start, counter-clockwise", wall_now(run, use, 0).angle) \
@@ -417,7 +441,9 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
 {
     const exp_plan *plan = run->plan;
     const exp_module *module = m->module;
+    run->no_region = false;
     const exp_within in = exp_within_now(run, &m->scope);
+    if (run->no_region) return rp_fail(RP_NO_RESULT, "the region is faulty");
     exp_samples *samples = &run->samples[m - plan->measures];
     exp_view view = {.d = plan->d,
                      .m = plan->m,
@@ -470,8 +496,9 @@ double exp_observe(void *host, int id, const double args[])
     exp_run *run = host;
     if (id >= EXP_ID_MEASURE) return run->values[id - EXP_ID_MEASURE];
     const exp_use *use = &run->plan->uses[id];
+    run->no_region = false;
     const double value = run->failed ? NAN : use->of->value(run, use, args);
-    return isnan(value) ? NAN : value; /* one without a sign, which printf would write */
+    return run->no_region || isnan(value) ? NAN : value; /* one without a sign, which printf would write */
 }
 
 double exp_value(exp_run *run, const exp_expression *e)

@@ -160,16 +160,18 @@ static void clear(exp_run *run, const size_t states[2])
     for (size_t k = states[0]; k < states[1]; k++) run->counters[k] = 0.0;
 }
 
-/* Gravity and the motion of walls, at the phase's start; before each step those that change. */
-static void set_forces(exp_run *run, const exp_phase *p, bool each_step)
+static void set_gravity(exp_run *run, const exp_phase *p)
 {
-    if (exp_given(&p->gravity[0]) && p->gravity_each_step == each_step) {
-        const double gravity[2] = {exp_number(run, "gravity", &p->gravity[0]),
-                                   exp_number(run, "gravity", &p->gravity[1])};
-        if (run->ahead && !run->at.done) exp_check_speed(run, "gravity", gravity, true);
-        if (run->at.done) return;
-        dem_gravity_set(run->sim, gravity);
-    }
+    if (!exp_given(&p->gravity[0])) return;
+    const double gravity[2] = {exp_number(run, "gravity", &p->gravity[0]),
+                               exp_number(run, "gravity", &p->gravity[1])};
+    if (run->ahead && !run->at.done) exp_check_speed(run, "gravity", gravity, true);
+    if (!run->at.done) dem_gravity_set(run->sim, gravity);
+}
+
+/* The motion of walls, at the phase's start; before each step where it changes. */
+static void set_motion(exp_run *run, const exp_phase *p, bool each_step)
+{
     for (const exp_move *m = p->moves; m < p->moves + p->n_moves && !run->at.done; m++) {
         if (m->each_step != each_step) continue;
         const bool shifts = exp_given(&m->velocity[0]);
@@ -186,14 +188,17 @@ static void add_tilt(exp_run *run)
     run->at.now.tilt_before = run->at.now.tilt, run->at.now.tilted_at = run->at.phase_step;
 }
 
-/* Go on by some steps; one by one where forces change from step to step. */
+/* Go on by some steps; one by one where forces change from step to step. A step takes gravity's value at its
+ * middle; what is read after it, that at its end. */
 static rp_status go(exp_run *run, long steps, bool one_by_one)
 {
+    const exp_phase *p = phase_of(run);
     for (const long part = one_by_one ? 1 : steps; steps > 0; steps -= part) {
         run->fresh = false;
         if (one_by_one) {
             run->ahead = true;
-            set_forces(run, phase_of(run), true);
+            if (p->gravity_each_step) set_gravity(run, p);
+            set_motion(run, p, true);
             if (!run->at.done) exp_push_walls(run);
             run->ahead = false;
             if (run->at.done || run->failed) break;
@@ -203,6 +208,8 @@ static rp_status go(exp_run *run, long steps, bool one_by_one)
         run->at.now.tilt = run->at.now.tilt_before + (double)(run->at.phase_step - run->at.now.tilted_at) *
                                                          (run->at.now.turn[0] + run->at.now.turn[1]);
         if (one_by_one) add_tilt(run);
+        run->fresh = false;
+        if (p->gravity_each_step) set_gravity(run, p);
     }
     return RP_OK;
 }
@@ -232,7 +239,8 @@ static void begin_phase(exp_run *run)
     if (p->has_laws && !run->at.done && !run->failed) exp_change_laws(run, p);
     if (run->at.done || run->failed) return;
     exp_load_walls(run, p);
-    set_forces(run, p, false);
+    set_gravity(run, p);
+    if (!run->at.done) set_motion(run, p, false);
     for (int k = 0; k < 2; k++)
         if (exp_given(&p->turn[k])) {
             run->at.now.turn[k] =

@@ -232,6 +232,8 @@ struct exp_run {
     rp_arena arena; /* of what has the same size all along */
     dem_sim *sim;
     rp_status failed; /* of a look */
+    bool measuring;   /* what has no value ends no run, and leaves other measures alone */
+    bool no_region;   /* the region that was asked for last is faulty */
     bool ahead;       /* t and phase_step are those of the step to come, at its middle */
     struct {
         size_t phase;          /* that it is in; n_phases: it has ended */
@@ -244,7 +246,7 @@ struct exp_run {
         double damped;         /* kinetic energy at the last look of a phase that damps */
         double most_seen[2];   /* speed of a wall, and gravity, that the time step was asked about */
         exp_world now;
-        bool started, done;
+        bool started, done, missed; /* the last: a measure that is not optional has no value */
         exp_end end;
     } at;
     double *counters, *values; /* of expressions; of outputs */
@@ -268,7 +270,7 @@ struct exp_run {
     size_t n_ids;
 };
 
-/* End a run with this word and message. */
+/* End a run with this word and message; while measuring, say so at its end. The first cause stays. */
 void exp_conclude(exp_run *run, const char *status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 /* With the text's word for a good run, or that of a phase that was gone on from. */
@@ -308,6 +310,7 @@ typedef struct {
 const char *exp_region_fault(const exp_within *region);          /* NULL: none */
 exp_within exp_within_now(exp_run *run, const exp_scope *scope); /* a faulty region ends the run */
 bool exp_is_within(const void *within, uint32_t id, double x, double y);
+double exp_share_within(const exp_within *region, const dem_state *grain); /* of its area, from 0 to 1 */
 
 /* Room for the marks and kinds of ids up to this one. Errors: RP_NO_MEMORY, in run->failed. */
 bool exp_make_ids(exp_run *run, size_t id);

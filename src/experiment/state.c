@@ -8,9 +8,10 @@
 void exp_conclude(exp_run *run, const char *status, const char *format, ...)
 {
     va_list args;
-    if (run->at.done) return; /* the first cause */
+    const bool first = !run->at.done && !run->at.missed;
+    *(run->measuring ? &run->at.missed : &run->at.done) = true;
+    if (!first) return;
     va_start(args, format);
-    run->at.done = true;
     snprintf(run->at.end.status, sizeof run->at.end.status, "%s", status);
     vsnprintf(run->at.end.message, sizeof run->at.end.message, format, args);
     va_end(args);

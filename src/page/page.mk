@@ -4,17 +4,11 @@ PAGE     := $(B)/page
 PAGE_CC  := clang --target=wasm32-wasi --sysroot=/usr -ffp-contract=off -D_GNU_SOURCE -I$(PAGE)/include
 PAGE_C   := -std=c11 -O3 -fno-math-errno -Wall -Wextra -Wno-missing-field-initializers -DXXH_INLINE_ALL= -Isrc/page/posix -Isrc -I. \
             -D_WASI_EMULATED_PROCESS_CLOCKS -Dru_maxrss=ru_utime.tv_sec -DMADV_HUGEPAGE=0 '-Dgetrandom(to,n,how)=-1' $(WERROR)
-PAGE_GSL := blas/blas block/init err/error err/stream err/strerror ode-initval2/control ode-initval2/cstd \
-            ode-initval2/driver ode-initval2/evolve ode-initval2/rk8pd ode-initval2/step randist/tdist rng/inline rng/mt rng/rng \
+PAGE_GSL := err/error err/stream err/strerror randist/tdist rng/inline rng/mt rng/rng \
             roots/brent roots/convergence roots/fsolver sort/sortvec sys/infnan sys/pow_int \
-            $(addprefix cblas/,dasum daxpy dcopy ddot dgemv dger dnrm2 dscal xerbla) \
             $(addprefix cdf/,chisq gamma gauss gaussinv tdist tdistinv) \
-            $(addprefix linalg/,balance bidiag householder inline svd) \
-            $(addprefix matrix/,copy init matrix rowcol submatrix swap view) \
-            $(addprefix multifit/,multilinear multireg multiwlinear work) \
             $(addprefix specfunc/,beta erfc exp gamma gamma_inc log psi zeta) \
-            $(addprefix statistics/,mean minmax variance) \
-            $(addprefix vector/,copy init minmax oper subvector swap vector view)
+            $(addprefix statistics/,mean minmax variance)
 PAGE_OWN := $(filter-out src/core/folder.c,$(wildcard $(foreach m,core stats analytic dem angle stress exp,$(patsubst %,%/*.c,$(call rooms,$(m))))))
 PAGE_OBJ := $(PAGE_OWN:%.c=$(PAGE)/obj/%.o) $(PAGE_GSL:%=$(PAGE)/obj/gsl/%.o) \
             $(patsubst %,$(PAGE)/obj/libconfig/lib/%.o,libconfig grammar scanner scanctx strbuf)

@@ -199,6 +199,16 @@ rp_status rp_params_set_text(const rp_param *param, void *values, const char *te
     return rp_params_set(param, values, &v);
 }
 
+const char *rp_text_below(double bound, char buffer[32])
+{
+    double v = bound;
+    do {
+        snprintf(buffer, 32, "%.3g", v);
+        v *= 0.999;
+    } while (strtod(buffer, NULL) > bound);
+    return buffer;
+}
+
 const char *rp_number_text(double v, int digits, char *buffer, size_t size)
 {
     if (isnan(v)) { /* printf writes "-nan" for some */

@@ -76,6 +76,9 @@ const char *rp_number_text(double v, int digits, char *buffer, size_t size);
 /* The same of at least 15 digits; it lives as long as the block. */
 #define RP_SHORT(number) rp_number_text(number, 15, (char[32]){0}, 32)
 
+/* Three digits of an upper bound, rounded down: what reads them stays below it. Returns `buffer`. */
+const char *rp_text_below(double bound, char buffer[32]);
+
 /* Word number `index` of a list separated by "|" and blanks; empty past the end. Returns `buffer`. */
 const char *rp_word_at(const char *list, int index, char *buffer, size_t size);
 

@@ -1,8 +1,8 @@
 /* Designs, fits and their inverse; see identify.h. */
+#include "core/elementary.h"
 #include "stats/identify.h"
 
 #include <gsl/gsl_cdf.h>
-#include <gsl/gsl_eigen.h>
 #include <gsl/gsl_math.h>
 #include <gsl/gsl_qrng.h>
 #include <gsl/gsl_sort.h>
@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "core/arena.h"
+#include "core/elementary.h"
 #include "stats/stats.h"
 
 const char *const stats_identified_words[] = {
@@ -30,33 +31,54 @@ typedef struct {
     double c[STATS_TERMS], covariance[STATS_TERMS * STATS_TERMS], tau2, p_value, one; /* the last: of a run */
 } form;
 
+/* Values of a name at which its profile is looked at: over the box, and by its error about the best. */
+enum { NODES = 64, NEAR = 3, ALL_NODES = NODES + 1 + 2 * NEAR + 1 };
+
 typedef struct {
     stats_quest *q;                          /* a copy, whose range may lose its ends */
     double lo[STATS_NAMES], hi[STATS_NAMES]; /* the box */
-    size_t n, room, n_terms;
+    size_t n, room;
     double *x;        /* of all points so far */
     stats_runs *runs; /* of number k at point i: [k + n_numbers i] */
     form form[STATS_NUMBERS];
     double value[STATS_NUMBERS], error[STATS_NUMBERS]; /* what is looked for */
     double widest[STATS_NUMBERS];                      /* error of the form, where something agrees */
-    size_t skipped;                                    /* point that is left out, or SIZE_MAX */
+    size_t
+        n_agreeing; /* places of the profiles that agree: the name that is held there, chi2 below the limit */
+    struct {
+        size_t held;
+        double x[STATS_NAMES], below;
+    } agreeing[STATS_NAMES * ALL_NODES];
+    size_t skipped; /* point that is left out, or SIZE_MAX */
     rp_arena arena;
 } search;
 
-static const double FEW = 12.0; /* degrees of freedom that a first stage has at least */
+static const double FEW = 12.0;      /* degrees of freedom that a first stage has at least */
+static const double BENT = 2.0;      /* most error of a combination, over that of straight lines */
+static const double REJECTED = 0.01; /* chance of a misfit below which the runs reject a form */
 
-static void terms_at(const search *s, const double x[], double t[STATS_TERMS])
+/* Degrees of a form, by the number of names: the usual one, and the highest, which many points allow. */
+static const size_t usual[] = {0, 3, 2, 2}, highest[] = {0, 7, 6, 4};
+
+static size_t terms_of(size_t n_names, size_t degree)
+{
+    size_t n = 1;
+    for (size_t i = 1; i <= n_names; i++) n = n * (degree + i) / i;
+    return n;
+}
+
+/* The first n_terms products of the names, those of a lower degree first. */
+static void terms_at(const search *s, const double x[], size_t n_terms, double t[STATS_TERMS])
 {
     const size_t p = s->q->n_names;
     double u[STATS_NAMES];
-    size_t n = 0;
+    size_t last[STATS_TERMS] = {0},
+           n = 1; /* names in order: a product goes on with its last, or a later one */
     for (size_t i = 0; i < p; i++)
         u[i] = s->hi[i] > s->lo[i] ? (2.0 * x[i] - s->lo[i] - s->hi[i]) / (s->hi[i] - s->lo[i]) : 0.0;
-    t[n++] = 1.0;
-    for (size_t i = 0; i < p; i++) t[n++] = u[i];
-    for (size_t i = 0; i < p; i++)
-        for (size_t k = i; k < p; k++) t[n++] = u[i] * u[k];
-    if (p == 1) t[n++] = u[0] * u[0] * u[0];
+    t[0] = 1.0;
+    for (size_t i = 0; n < n_terms; i++)
+        for (size_t k = last[i]; k < p && n < n_terms; k++) t[n] = t[i] * u[k], last[n++] = k;
 }
 
 static bool in_box(const search *s, size_t i)
@@ -70,13 +92,25 @@ static bool in_box(const search *s, size_t i)
     return in;
 }
 
+/* Do the runs ask for more terms, `less` with chi2 instead of f with `least`? Up to the usual degree if chi2
+ * falls by 2 for each, beyond if that is not by chance. dof: of runs at equal points; 0: the residuals tell.
+ */
+static bool asks_for(const form *less, double chi2, const form *f, double least, bool is_usual, double dof,
+                     double left)
+{
+    const double more = (double)(less->n_terms - f->n_terms);
+    if (f->n_terms == 0 || is_usual) return f->n_terms == 0 || dof == 0.0 || chi2 + 2.0 * more < least;
+    return gsl_cdf_fdist_Q((least - chi2) / more / (dof > 0.0 ? 1.0 : chi2 / left), more,
+                           dof > 0.0 ? dof : left) < REJECTED;
+}
+
 /* Least squares over the points of the box that have the number. The variance of one run is that of runs at
- * equal points, pooled. Of one name, there are fewer powers where these do as well (chi2 + 2 for each), or
- * where there are few points. */
+ * equal points, pooled; a misfit of a tenth of the measured error does not count. */
 static rp_status fit_number(search *s, size_t k)
 {
     RP_SCOPE(arena);
-    const size_t K = s->q->n_numbers, all = s->n_terms, least_terms = s->q->n_names == 1 ? 2 : all;
+    const size_t K = s->q->n_numbers, P = s->q->n_names, all = terms_of(P, highest[P]);
+    const double slack = 0.1 * s->q->error[k];
     double *T, *X, *y, *w, squares = 0.0, dof = 0.0, weights = 0.0, chi2 = INFINITY;
     size_t n = 0;
     form *f = &s->form[k];
@@ -87,46 +121,58 @@ static rp_status fit_number(search *s, size_t k)
     for (size_t i = 0; i < s->n; i++) {
         const stats_runs *r = &s->runs[k + K * i];
         if (!in_box(s, i) || !(r->n > 0.0)) continue;
-        terms_at(s, &s->x[i * s->q->n_names], &T[n * all]);
+        terms_at(s, &s->x[i * P], all, &T[n * all]);
         y[n] = r->mean, w[n] = r->n, n++;
         squares += r->squares, dof += r->n - 1.0;
     }
-    if (n < least_terms + 1)
-        return rp_fail(RP_NO_RESULT, "number %zu: %zu points have it, at least %zu needed", k + 1, n,
-                       least_terms + 1);
     const double one = dof > 0.0 ? squares / dof : 0.0;
-    for (size_t i = 0; i < n && one > 0.0; i++) w[i] /= one;
+    for (size_t i = 0; i < n && dof > 0.0; i++) w[i] = 1.0 / (one / w[i] + slack * slack);
     for (size_t i = 0; i < n; i++) weights += w[i];
     stats_linear fit = {.n = n, .X = X, .y = y, .w = w, .tolerance = 1e-12};
-    for (size_t terms = all < n ? all : n - 1; terms >= least_terms; terms--) {
-        form less = {.n_terms = terms};
-        for (size_t i = 0; i < n * terms; i++)
-            X[i] = T[i / terms * all + i % terms]; /* the first of each row */
-        fit.p = terms, fit.c = less.c, fit.covariance = less.covariance;
+    f->n_terms = 0;
+    for (size_t degree = P == 1 ? 1 : 2; degree <= highest[P]; degree++) {
+        const bool is_usual = degree <= usual[P];
+        form less = {.n_terms = terms_of(P, degree)};
+        if (n < less.n_terms + (is_usual ? 1 : 4)) break;
+        for (size_t i = 0; i < n * less.n_terms; i++)
+            X[i] = T[i / less.n_terms * all + i % less.n_terms]; /* the first of each row */
+        fit.p = less.n_terms, fit.c = less.c, fit.covariance = less.covariance;
         RP_TRY(stats_linear_fit(&fit));
-        if (fit.chi2 + 2.0 * (double)terms < chi2 + 2.0 * (double)f->n_terms) *f = less, chi2 = fit.chi2;
-        if (one == 0.0) break; /* chi2 has no unit */
+        if (asks_for(&less, fit.chi2, f, chi2, is_usual, dof, (double)(n - less.n_terms)))
+            *f = less, chi2 = fit.chi2;
     }
+    if (f->n_terms == 0)
+        return rp_fail(RP_NO_RESULT, "number %zu: %zu points have it, at least %zu needed", k + 1, n,
+                       terms_of(P, P == 1 ? 1 : 2) + 1);
     const double left = (double)(n - f->n_terms), excess = chi2 / left;
     f->one = one;
-    f->p_value = one > 0.0 ? gsl_cdf_chisq_Q(chi2, left) : 0.0;
-    /* without scatter, or with a form that does not fit, the residuals tell the error; what few degrees of
+    f->p_value = dof > 0.0 ? gsl_cdf_fdist_Q(excess, left, dof) : NAN;
+    /* without repeats, or with a form that does not fit, the residuals tell the error; what few degrees of
      * freedom tell is widened to Student's interval */
-    const double known = one > 0.0 ? dof : left,
-                 few = known < FEW
-                           ? gsl_pow_2(gsl_cdf_tdist_Pinv(0.975, known) / gsl_cdf_ugaussian_Pinv(0.975))
-                           : 1.0,
-                 grows = few * (one == 0.0 ? excess : fmax(excess, 1.0));
+    const double known = dof > 0.0 ? dof : left,
+                 student =
+                     known < FEW ? gsl_cdf_tdist_Pinv(0.975, known) / gsl_cdf_ugaussian_Pinv(0.975) : 1.0,
+                 few = rint(1e9 * student * student) / 1e9, /* of which every build of GSL has the same */
+        grows = few * (dof > 0.0 ? fmax(excess, 1.0) : excess);
     for (size_t i = 0; i < f->n_terms * f->n_terms; i++) f->covariance[i] *= grows;
-    f->tau2 = few * (one == 0.0 ? excess : fmax(excess - 1.0, 0.0)) * (double)n / weights;
+    f->tau2 = few * (dof > 0.0 ? fmax(excess - 1.0, 0.0) : excess) * (double)n / weights;
+    if (f->p_value < REJECTED) f->tau2 *= 4.0; /* a misfit has a place, where it is larger than elsewhere */
     return RP_OK;
+}
+
+/* Do the runs reject a form? */
+static bool is_bent(const search *s)
+{
+    bool bent = false;
+    for (size_t k = 0; k < s->q->n_numbers; k++) bent = bent || s->form[k].p_value < REJECTED;
+    return bent;
 }
 
 static double value_at(const search *s, size_t k, const double x[], double *variance)
 {
     double t[STATS_TERMS], sum = 0.0, v = 0.0;
     const form *f = &s->form[k];
-    terms_at(s, x, t);
+    terms_at(s, x, f->n_terms, t);
     for (size_t i = 0; i < f->n_terms; i++) {
         sum += f->c[i] * t[i];
         for (size_t j = 0; j < f->n_terms && variance; j++)
@@ -136,11 +182,10 @@ static double value_at(const search *s, size_t k, const double x[], double *vari
     return sum;
 }
 
-static double chi2_at(unsigned n, const double x[], double gradient[], void *data)
+static double chi2_at(const double x[], void *data)
 {
     const search *s = data;
     double sum = 0.0;
-    (void)n, (void)gradient;
     if (s->q->allowed && !s->q->allowed(s->q->host, x)) return 1e6;
     for (size_t k = 0; k < s->q->n_numbers; k++) {
         double v;
@@ -158,12 +203,8 @@ static rp_status least(search *s, size_t held, double at, const double guess[], 
     double lo[STATS_NAMES], hi[STATS_NAMES];
     memcpy(lo, s->lo, sizeof lo), memcpy(hi, s->hi, sizeof hi);
     if (held < p) lo[held] = hi[held] = at;
-    return stats_least(&(stats_minimum){chi2_at, s, p, lo, hi, cells[n_free], s->q->allowed != NULL, guess},
-                       x, chi2);
+    return stats_least(&(stats_minimum){chi2_at, s, p, lo, hi, cells[n_free], guess}, x, chi2);
 }
-
-/* Values of a name at which its profile is looked at: over the box, and by its error about the best. */
-enum { NODES = 64, NEAR = 3, ALL_NODES = NODES + 1 + 2 * NEAR + 1 };
 
 static size_t place_nodes(const search *s, size_t p, double best, double se, double at[ALL_NODES])
 {
@@ -197,15 +238,18 @@ static rp_status pass(search *s, size_t p, const double best[], double inside, d
 static rp_status intervals_of(search *s, size_t p, const stats_answer *a, double limit,
                               stats_interval out[STATS_INTERVALS], size_t *n)
 {
-    double at[ALL_NODES], chi2[ALL_NODES], y[STATS_NAMES], lowest = INFINITY;
+    double at[ALL_NODES], chi2[ALL_NODES], lowest = INFINITY;
     const size_t nodes = place_nodes(s, p, a->x[p], a->se[p], at);
     *n = 0;
     for (size_t k = 0; k < nodes; k++) {
-        if (at[k] == a->x[p])
-            chi2[k] = a->chi2;
-        else
-            RP_TRY(least(s, p, at[k], a->x, y, &chi2[k]));
+        double y[STATS_NAMES];
+        memcpy(y, a->x, sizeof y), chi2[k] = a->chi2;
+        if (at[k] != a->x[p]) RP_TRY(least(s, p, at[k], a->x, y, &chi2[k]));
         const bool in = chi2[k] <= limit, was = k > 0 && chi2[k - 1] <= limit;
+        if (in && s->n_agreeing < STATS_NAMES * ALL_NODES) {
+            s->agreeing[s->n_agreeing].held = p, s->agreeing[s->n_agreeing].below = limit - chi2[k];
+            memcpy(s->agreeing[s->n_agreeing++].x, y, sizeof y);
+        }
         if (in && !was) { /* the last takes what is beyond */
             if (*n < STATS_INTERVALS) out[(*n)++].lower = at[k], lowest = INFINITY;
             if (k > 0 && out[*n - 1].lower == at[k])
@@ -239,50 +283,121 @@ static void information(const search *s, const double x[], double I[STATS_NAMES 
     }
 }
 
-/* Standard errors and correlations of the names, and the combination that is determined best: names in units
- * of their ranges along the axis of most information. */
-static void take_errors(const search *s, stats_answer *a)
+/* Rows and columns of the symmetric M[p p] turn until it is diagonal, by Jacobi's rotations; V: its axes, as
+ * columns. */
+static void diagonalize(size_t p, double M[], double V[])
+{
+    enum { SWEEPS = 30 };
+    for (size_t i = 0; i < p * p; i++) V[i] = i % (p + 1) == 0;
+    for (size_t n = 0; n < SWEEPS * p * p; n++) {
+        const size_t i = n / p % p, j = n % p;
+        if (i >= j || M[i * p + j] == 0.0) continue;
+        const double half = (M[j * p + j] - M[i * p + i]) / (2.0 * M[i * p + j]),
+                     t = copysign(1.0 / (fabs(half) + rp_hypot(1.0, half)), half), c = 1.0 / rp_hypot(1.0, t);
+        for (size_t k = 0; k < 3 * p; k++) { /* columns of M, rows of M, columns of V */
+            double *of = k < 2 * p ? M : V, *a = &of[k / p == 1 ? i * p + k % p : k % p * p + i],
+                   *b = &of[k / p == 1 ? j * p + k % p : k % p * p + j];
+            const double was = *a;
+            *a = c * (was - t * *b), *b = c * (t * was + *b);
+        }
+        M[i * p + j] = M[j * p + i] = 0.0;
+    }
+}
+
+/* Standard errors and correlations of the names. */
+static rp_status take_errors(const search *s, stats_answer *a)
 {
     const size_t p = s->q->n_names;
-    double I[STATS_NAMES * STATS_NAMES], scaled[STATS_NAMES * STATS_NAMES],
-        inverse[STATS_NAMES][STATS_NAMES] = {{0}}, axis[STATS_NAMES * STATS_NAMES], power[STATS_NAMES] = {0},
-        range[STATS_NAMES] = {1.0, 1.0, 1.0};
-    information(s, a->x, I);
+    double scaled[STATS_NAMES * STATS_NAMES], inverse[STATS_NAMES][STATS_NAMES] = {{0}},
+                                              axis[STATS_NAMES * STATS_NAMES], power[STATS_NAMES] = {0},
+                                              range[STATS_NAMES] = {1.0, 1.0, 1.0};
+    information(s, a->x, scaled);
     for (size_t i = 0; i < p; i++) range[i] = s->q->hi[i] - s->q->lo[i];
     for (size_t i = 0; i < p; i++)
-        for (size_t j = 0; j < p; j++) scaled[i * p + j] = I[i * p + j] * range[i] * range[j];
-    gsl_matrix_view m = gsl_matrix_view_array(scaled, p, p), v = gsl_matrix_view_array(axis, p, p);
-    gsl_vector_view e = gsl_vector_view_array(power, p);
-    gsl_eigen_symmv_workspace *w = gsl_eigen_symmv_alloc(p);
-    if (!w) return;
-    gsl_eigen_symmv(&m.matrix, &e.vector, &v.matrix, w);
-    gsl_eigen_symmv_free(w);
-    size_t most = 0;
-    for (size_t k = 0; k < p; k++) {
-        most = power[k] > power[most] ? k : most;
+        for (size_t j = 0; j < p; j++) scaled[i * p + j] *= range[i] * range[j];
+    diagonalize(p, scaled, axis);
+    for (size_t k = 0; k < p; k++) power[k] = scaled[k * p + k];
+    for (size_t k = 0; k < p; k++)
         for (size_t i = 0; i < p; i++)
             for (size_t j = 0; j < p; j++)
                 inverse[i][j] +=
                     axis[i * p + k] * axis[j * p + k] * range[i] * range[j] / fmax(power[k], 1e-12);
-    }
     for (size_t i = 0; i < p; i++) {
         a->se[i] = sqrt(inverse[i][i]);
         for (size_t j = 0; j < p; j++)
             a->correlation[i][j] = inverse[i][j] / sqrt(inverse[i][i] * inverse[j][j]);
     }
-    double largest = 0.0;
-    for (size_t i = 0; i < p; i++)
-        if (fabs(axis[i * p + most]) > fabs(largest)) largest = axis[i * p + most];
-    size_t first = 0;
-    while (first + 1 < p && fabs(axis[first * p + most]) < 0.05 * fabs(largest)) first++;
-    const double unit = axis[first * p + most] / range[first];
+    return RP_OK;
+}
+
+/* Variance of the combination at x with one name held. */
+static double variance_with(const search *s, const stats_answer *a, const double x[], size_t held)
+{
+    const size_t p = s->q->n_names, i = (held + 1) % p, j = (held + 2) % p;
+    double I[STATS_NAMES * STATS_NAMES];
+    information(s, x, I);
+    const double *w = a->weight, ii = I[i * p + i], jj = I[j * p + j], ij = I[i * p + j];
+    return p == 1   ? 0.0
+           : p == 2 ? w[i] * w[i] / ii
+                    : (w[i] * w[i] * jj - 2.0 * w[i] * w[j] * ij + w[j] * w[j] * ii) / (ii * jj - ij * ij);
+}
+
+/* Is a best value an end of its range? There no slope is 0: unless the combination is the same all along what
+ * agrees, the range determines it, and not the numbers. */
+static bool is_at_edge(const search *s, const stats_answer *a)
+{
+    bool edge = false;
+    for (size_t p = 0; p < s->q->n_names; p++) {
+        const double slack = 1e-3 * (s->q->hi[p] - s->q->lo[p]);
+        edge = edge || a->x[p] <= s->q->lo[p] + slack || a->x[p] >= s->q->hi[p] - slack;
+    }
+    return edge;
+}
+
+/* The combination that is determined best: across the places that agree, the names in units of their ranges.
+ * Its error reaches to the farthest of what agrees there, which slopes at the best place don't tell where
+ * that bends. */
+static rp_status take_sum(const search *s, double limit, stats_answer *a)
+{
+    const size_t p = s->q->n_names;
+    double scatter[STATS_NAMES * STATS_NAMES] = {0}, I[STATS_NAMES * STATS_NAMES],
+                                 axis[STATS_NAMES * STATS_NAMES], power[STATS_NAMES] = {0},
+                                 range[STATS_NAMES], largest = 0.0, error = 0.0, farthest = 0.0, wIw = 0.0,
+                                 ww = 0.0;
+    size_t least = 0, first = 0;
+    for (size_t i = 0; i < p; i++) range[i] = s->q->hi[i] - s->q->lo[i];
+    for (size_t n = 0; n < s->n_agreeing; n++)
+        for (size_t i = 0; i < p; i++)
+            for (size_t j = 0; j < p; j++)
+                scatter[i * p + j] +=
+                    (s->agreeing[n].x[i] - a->x[i]) / range[i] * (s->agreeing[n].x[j] - a->x[j]) / range[j];
+    diagonalize(p, scatter, axis);
+    for (size_t k = 0; k < p; k++) power[k] = scatter[k * p + k];
+    for (size_t k = 0; k < p; k++) least = power[k] < power[least] ? k : least;
+    for (size_t i = 0; i < p; i++) largest = fmax(largest, fabs(axis[i * p + least]));
+    while (first + 1 < p && fabs(axis[first * p + least]) < 0.05 * largest) first++;
+    const double unit = axis[first * p + least] / range[first];
     a->sum = 0.0;
     for (size_t i = 0; i < p; i++) {
-        a->weight[i] = axis[i * p + most] / range[i] / unit;
-        if (fabs(axis[i * p + most]) < 0.05 * fabs(largest)) a->weight[i] = 0.0;
+        const double exact = axis[i * p + least] / range[i] / unit,
+                     digit = rp_pow(10.0, floor(rp_log(fabs(exact)) / M_LN10) - 3.0); /* as printed */
+        a->weight[i] = fabs(axis[i * p + least]) < 0.05 * largest ? 0.0 : digit * round(exact / digit);
         a->sum += a->weight[i] * a->x[i];
     }
-    a->sum_error = 1.0 / sqrt(fmax(power[most], 1e-300)) / fabs(unit);
+    for (size_t n = 0; n < s->n_agreeing; n++) {
+        double far = -a->sum;
+        for (size_t i = 0; i < p; i++) far += a->weight[i] * s->agreeing[n].x[i];
+        farthest = fmax(farthest, fabs(far));
+        error = fmax(error, fabs(far) + sqrt(s->agreeing[n].below *
+                                             variance_with(s, a, s->agreeing[n].x, s->agreeing[n].held)));
+    }
+    information(s, a->x, I);
+    for (size_t i = 0; i < p * p; i++)
+        wIw += a->weight[i / p] * a->weight[i % p] * I[i] * gsl_pow_2(range[i / p] * range[i % p]);
+    for (size_t i = 0; i < p; i++) ww += gsl_pow_2(a->weight[i] * range[i]);
+    a->sum_error = error / sqrt(limit);
+    a->determined = a->sum_error < BENT * ww / sqrt(wIw) && (farthest < 0.5 * error || !is_at_edge(s, a));
+    return RP_OK;
 }
 
 static rp_status fit_all(search *s)
@@ -296,14 +411,22 @@ static rp_status invert(search *s, bool intervals, stats_answer *a)
 {
     const double limit = gsl_cdf_chisq_Pinv(0.95, 1.0);
     RP_TRY(least(s, SIZE_MAX, 0.0, NULL, a->x, &a->chi2));
-    take_errors(s, a);
-    for (size_t p = 0; p < s->q->n_names && intervals; p++) {
+    RP_TRY(take_errors(s, a));
+    double widest = 0.0;
+    for (size_t p = s->n_agreeing = 0; p < s->q->n_names && intervals; p++) {
         stats_interval *const of = a->interval[p];
+        const size_t first = s->n_agreeing;
         RP_TRY(intervals_of(s, p, a, a->chi2 + limit, of, &a->n_intervals[p]));
+        const double *from = s->agreeing[first].x, *to = s->agreeing[s->n_agreeing - 1].x,
+                     wide = (to[p] - from[p]) / (s->q->hi[p] - s->q->lo[p]);
+        if (wide >= widest) {
+            memcpy(a->ends[0], from, sizeof a->ends[0]), memcpy(a->ends[1], to, sizeof a->ends[1]);
+            widest = wide;
+        }
         for (size_t k = 0; k < a->n_intervals[p]; k++)
             if (of[k].lower <= a->x[p] && of[k].upper >= a->x[p]) a->own[p] = of[k];
     }
-    return RP_OK;
+    return intervals ? take_sum(s, limit, a) : RP_OK;
 }
 
 /* ---- stages ---- */
@@ -366,12 +489,12 @@ static rp_status draw(const search *s, gsl_qrng *sobol, size_t n, double x[])
     return RP_OK;
 }
 
-/* The box that holds what agrees: chi2 within this quantile of the least, widened by a fifth. True: it is
- * smaller by more than a fifth. */
-static rp_status shrink_to(search *s, const stats_answer *a, double quantile, bool *smaller)
+/* The box that holds what agrees: chi2 within the quantile 0.999 of the least, widened by a fifth. True: it
+ * is smaller by more than a fifth. */
+static rp_status shrink(search *s, const stats_answer *a, bool *smaller)
 {
     const size_t p = s->q->n_names;
-    const double limit = a->chi2 + gsl_cdf_chisq_Pinv(quantile, (double)p);
+    const double limit = a->chi2 + gsl_cdf_chisq_Pinv(0.999, (double)p);
     double lo[STATS_NAMES], hi[STATS_NAMES], ratio = 1.0;
     for (size_t i = 0; i < p; i++) {
         stats_interval of[STATS_INTERVALS];
@@ -389,14 +512,28 @@ static rp_status shrink_to(search *s, const stats_answer *a, double quantile, bo
     return RP_OK;
 }
 
-/* Where a form does not fit, its variance keeps too large a box, which no further runs would mend: there the
- * box is of what agrees best. */
-static rp_status shrink(search *s, const stats_answer *a, bool *smaller)
+static size_t points_in_box(const search *s)
 {
-    bool fits = true;
-    for (size_t k = 0; k < s->q->n_numbers; k++) fits = fits && a->p_value[k] > 0.05;
-    RP_TRY(shrink_to(s, a, 0.999, smaller));
-    return fits || *smaller ? RP_OK : shrink_to(s, a, 0.95, smaller);
+    size_t n = 0;
+    for (size_t i = 0; i < s->n; i++) n += in_box(s, i);
+    return n;
+}
+
+/* A smaller box of the points that are there, while the runs reject a form. */
+static rp_status narrow(search *s, stats_answer *a)
+{
+    const size_t P = s->q->n_names, enough = terms_of(P, usual[P]) + 6;
+    for (bool smaller = true; smaller && is_bent(s);) {
+        double lo[STATS_NAMES], hi[STATS_NAMES];
+        memcpy(lo, s->lo, sizeof lo), memcpy(hi, s->hi, sizeof hi);
+        RP_TRY(invert(s, false, a));
+        RP_TRY(shrink(s, a, &smaller));
+        if (smaller && (points_in_box(s) < enough || fit_all(s))) {
+            memcpy(s->lo, lo, sizeof lo), memcpy(s->hi, hi, sizeof hi);
+            return fit_all(s);
+        }
+    }
+    return RP_OK;
 }
 
 /* Nothing comes near what was measured, by a form that may err by as much as it does. */
@@ -443,7 +580,7 @@ static void double_replicas(const search *s, size_t replicas[])
     bool doubled[STATS_NUMBERS] = {false};
     for (size_t k = 0; k < s->q->n_numbers; k++) {
         const size_t g = s->q->group[k];
-        if (is_settled(s, k) || doubled[g] || replicas[g] >= 64) continue;
+        if (is_settled(s, k) || s->form[k].p_value < REJECTED || doubled[g] || replicas[g] >= 64) continue;
         replicas[g] *= 2, doubled[g] = true;
     }
 }
@@ -465,13 +602,16 @@ static void note_points(const search *s, stats_answer *a)
     for (size_t k = 0; k < K; k++) a->reach[k][0] = INFINITY, a->reach[k][1] = -INFINITY;
     for (size_t i = 0; i < s->n; i++) {
         bool whole = true;
+        double most = 0.0;
         for (size_t k = 0; k < K; k++) {
             const stats_runs *r = &s->runs[k + K * i];
             whole = whole && r->n > 0.0;
+            most = fmax(most, r->n);
             if (!(r->n > 0.0)) continue;
             a->reach[k][0] = fmin(a->reach[k][0], r->mean), a->reach[k][1] = fmax(a->reach[k][1], r->mean);
         }
-        a->n_failed += !whole;
+        a->n_failed += !whole, a->n_repeated += most > 1.0;
+        if (s->q->fixed_runs) a->n_runs += (size_t)most;
     }
     a->n_points = s->n;
 }
@@ -529,7 +669,7 @@ static bool lacks_runs(const search *s, const stats_answer *a)
         bool whole = true, in = true;
         for (size_t p = 0; p < P; p++) {
             const double x = s->x[i * P + p];
-            d += pow((x - a->x[p]) / (s->q->hi[p] - s->q->lo[p]), 2.0);
+            d += gsl_pow_2((x - a->x[p]) / (s->q->hi[p] - s->q->lo[p]));
             in = in && x >= a->own[p].lower && x <= a->own[p].upper;
         }
         for (size_t k = 0; k < K; k++) whole = whole && s->runs[k + K * i].n > 0.0;
@@ -539,22 +679,29 @@ static bool lacks_runs(const search *s, const stats_answer *a)
     return lacks || 2 * lacking > inside;
 }
 
-static void judge(const search *s, bool converged, bool lacks, stats_answer *a)
+/* The status of each name; nothing stays that a rejected form tells, or one that agrees nowhere. */
+static void judge(const search *s, bool converged, bool failed, stats_answer *a)
 {
     const stats_quest *q = s->q;
-    lacks = lacks || lacks_runs(s, a);
+    const bool lacks = failed || lacks_runs(s, a);
     a->dof = q->n_numbers > q->n_names ? q->n_numbers - q->n_names : 0;
-    const bool match = a->chi2 <= gsl_cdf_chisq_Pinv(0.99, a->dof ? (double)a->dof : 1.0);
+    const bool match = a->chi2 <= gsl_cdf_chisq_Pinv(0.99, a->dof ? (double)a->dof : 1.0), bent = is_bent(s),
+               beyond = q->n_numbers == 1 && !match &&
+                        (q->value[0] < a->reach[0][0] || q->value[0] > a->reach[0][1]);
     const stats_identified none = q->n_numbers > 1             ? STATS_IDENTIFIED_NO_MATCH
                                   : q->value[0] > a->fitted[0] ? STATS_IDENTIFIED_ABOVE_RANGE
                                                                : STATS_IDENTIFIED_BELOW_RANGE;
+    a->determined = a->determined && match && !bent && !lacks;
     for (size_t p = 0; p < q->n_names; p++) {
         a->lo[p] = q->lo[p], a->hi[p] = q->hi[p];
-        a->status[p] = match ? status_of(q, a, p, converged) : none;
-        if (lacks && (a->status[p] == STATS_IDENTIFIED_OK || a->status[p] == STATS_IDENTIFIED_BUDGET))
+        a->status[p] = bent && !beyond ? STATS_IDENTIFIED_BENT : match ? status_of(q, a, p, converged) : none;
+        const bool at_end =
+            a->status[p] == STATS_IDENTIFIED_AT_LEAST || a->status[p] == STATS_IDENTIFIED_AT_MOST;
+        if ((lacks && (a->status[p] == STATS_IDENTIFIED_OK || a->status[p] == STATS_IDENTIFIED_BUDGET)) ||
+            (failed && at_end))
             a->status[p] = STATS_IDENTIFIED_NO_RUNS;
         if (a->se[p] > 10.0 * (q->hi[p] - q->lo[p])) a->se[p] = NAN; /* no number tells */
-        if (match) continue;
+        if (match && !bent) continue;
         a->x[p] = a->se[p] = NAN, a->n_intervals[p] = 0;
         a->own[p] = (stats_interval){NAN, NAN, NAN};
     }
@@ -594,40 +741,47 @@ static rp_status go(search *s, gsl_qrng *sobol, stats_answer *a)
         }
         RP_TRY(q->run(q->host, a->stages, &n, &points, replicas, &runs));
         RP_TRY(add_points(s, n, points, runs));
-        a->stages++, a->n_runs += cost;
+        a->stages++, a->n_runs += q->fixed_runs ? 0 : cost;
         cut_range(s);
         const rp_status fitted = fit_all(s);
         lacks = fitted == RP_NO_RESULT && a->stages > 1; /* the runs of a smaller box failed */
         if (lacks) break;
         RP_TRY(fitted);
-        RP_TRY(invert(s, false, a));
+        RP_TRY(invert(s, q->tell != NULL, a));
         note_fits(s, a);
         memcpy(s->widest, a->fit_error, sizeof s->widest);
+        if (q->tell) {
+            stats_answer so_far = *a;
+            note_points(s, &so_far);
+            judge(s, false, false, &so_far);
+            q->tell(q->host, &so_far);
+        }
         if (q->fixed_runs || is_hopeless(s, a)) break;
         memcpy(last_lo, s->lo, sizeof last_lo), memcpy(last_hi, s->hi, sizeof last_hi);
         RP_TRY(shrink(s, a, &smaller));
         if (!smaller && settled(s)) RP_TRY(look_elsewhere(s, a));
-        good = settled(s);
+        good = settled(s) && !is_bent(s);
         if (!smaller && good) break;
+        if (!smaller && is_bent(s) && points_in_box(s) >= 2 * terms_of(q->n_names, highest[q->n_names]))
+            break;
         if (!smaller) double_replicas(s, replicas);
     }
     if (!paid || lacks) memcpy(s->lo, last_lo, sizeof last_lo), memcpy(s->hi, last_hi, sizeof last_hi);
     cut_range(s);
     RP_TRY(fit_all(s));
+    RP_TRY(narrow(s, a));
     RP_TRY(invert(s, true, a));
     note_fits(s, a);
     note_points(s, a);
     judge(s, q->fixed_runs || (!smaller && good), lacks, a);
-    return q->leave_out ? recover(s, a) : RP_OK;
+    return q->leave_out && !is_bent(s) ? recover(s, a) : RP_OK;
 }
 
 rp_status stats_identify(const stats_quest *q, stats_answer *a)
 {
     *a = (stats_answer){0};
     stats_quest own = *q;
-    search s = {.q = &own,
-                .skipped = SIZE_MAX,
-                .n_terms = q->n_names == 1 ? 4 : (q->n_names + 1) * (q->n_names + 2) / 2};
+    search s = {.q = &own, .skipped = SIZE_MAX};
     if (q->n_names < 1 || q->n_names > STATS_NAMES || q->n_numbers < 1 || q->n_numbers > STATS_NUMBERS)
         return rp_fail(RP_BAD_INPUT, "%zu names, %zu numbers: 1 to %d, and 1 to %d expected", q->n_names,
                        q->n_numbers, STATS_NAMES, STATS_NUMBERS);

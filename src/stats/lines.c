@@ -1,8 +1,9 @@
 /* Straight lines through points, and least squares by columns; see stats.h. */
+#include "core/arena.h"
+
 #include <gsl/gsl_cdf.h>
-#include <gsl/gsl_errno.h>
-#include <gsl/gsl_multifit.h>
 #include <math.h>
+#include <string.h>
 
 #include "stats/stats.h"
 
@@ -74,6 +75,15 @@ rp_status stats_line_fit(const stats_xy *p, bool origin, stats_line *line)
     return rp_fail(RP_NO_RESULT, TOO_LARGE);
 }
 
+static double product(size_t n, const double a[], const double b[])
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++) sum += a[i] * b[i];
+    return sum;
+}
+
+/* By Gram and Schmidt's modified scheme: y, too, becomes what the columns before it leave. A column of which
+ * these leave nothing has the coefficient 0. */
 rp_status stats_linear_fit(stats_linear *f)
 {
     if (f->p < 1 || f->p > f->n || !(f->tolerance > 0.0))
@@ -83,17 +93,42 @@ rp_status stats_linear_fit(stats_linear *f)
                        f->n, f->p, f->tolerance);
     RP_TRY(stats_check_finite(f->n * f->p, f->X));
     RP_TRY(stats_check_finite(f->n, f->y));
-    gsl_matrix_const_view X = gsl_matrix_const_view_array(f->X, f->n, f->p);
-    gsl_vector_const_view w = gsl_vector_const_view_array(f->w ? f->w : f->y, f->n);
-    gsl_vector_const_view y = gsl_vector_const_view_array(f->y, f->n);
-    gsl_vector_view c = gsl_vector_view_array(f->c, f->p);
-    gsl_matrix_view covariance = gsl_matrix_view_array(f->covariance, f->p, f->p);
-    gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(f->n, f->p);
-    if (!work) return rp_fail(RP_NO_MEMORY, "least squares: out of memory");
-    const int code = f->w ? gsl_multifit_wlinear_tsvd(&X.matrix, &w.vector, &y.vector, f->tolerance,
-                                                      &c.vector, &covariance.matrix, &f->chi2, &f->rank, work)
-                          : gsl_multifit_linear_tsvd(&X.matrix, &y.vector, f->tolerance, &c.vector,
-                                                     &covariance.matrix, &f->chi2, &f->rank, work);
-    gsl_multifit_linear_free(work);
-    return code ? rp_fail(RP_BROKEN, "least squares failed: %s", gsl_strerror(code)) : RP_OK;
+    RP_SCOPE(arena);
+    const size_t n = f->n, p = f->p;
+    double *Q, *R, *own, *power;
+    RP_NEW(&arena, Q, (p + 1) * n); /* its rows are X's columns, and y */
+    RP_NEW(&arena, R, (p + 1) * (p + 1));
+    RP_NEW(&arena, own, p + 1); /* a row of R's inverse */
+    RP_NEW(&arena, power, p + 1);
+    f->rank = 0;
+    for (size_t j = 0; j <= p; j++) {
+        double *q = &Q[j * n];
+        for (size_t i = 0; i < n; i++)
+            q[i] = (f->w ? sqrt(f->w[i]) : 1.0) * (j < p ? f->X[i * p + j] : f->y[i]);
+        const double whole = product(n, q, q);
+        for (size_t k = 0; k < j; k++) {
+            if (!(power[k] > 0.0)) continue;
+            const double part = R[k * (p + 1) + j] = product(n, q, &Q[k * n]) / power[k];
+            for (size_t i = 0; i < n; i++) q[i] -= part * Q[k * n + i];
+        }
+        power[j] = product(n, q, q);
+        if (j < p && !(power[j] > f->tolerance * f->tolerance * whole)) power[j] = 0.0;
+        f->rank += j < p && power[j] > 0.0;
+    }
+    f->chi2 = power[p];
+    memset(f->c, 0, p * sizeof *f->c), memset(f->covariance, 0, p * p * sizeof *f->c);
+    const double scale = f->w ? 1.0 : f->chi2 / (double)(n - f->rank);
+    for (size_t k = 0; k < p; k++) {
+        if (!(power[k] > 0.0)) continue;
+        own[k] = 1.0;
+        for (size_t i = k; i-- > 0;) {
+            own[i] = 0.0;
+            for (size_t l = i + 1; l <= k && power[i] > 0.0; l++) own[i] -= R[i * (p + 1) + l] * own[l];
+        }
+        for (size_t i = 0; i <= k; i++) {
+            f->c[i] += own[i] * R[k * (p + 1) + p];
+            for (size_t j = 0; j <= k; j++) f->covariance[i * p + j] += own[i] * own[j] / power[k] * scale;
+        }
+    }
+    return RP_OK;
 }

@@ -163,19 +163,18 @@ typedef struct {
     size_t n, p;
     const double *X, *y;
     const double *w;  /* weights; NULL: all are equal, and errors follow from the scatter */
-    double tolerance; /* of the largest singular value: larger ones count in the rank */
+    double tolerance; /* of a column: if those before it leave more, it counts in the rank */
     /* found: coefficients c[p] and covariance[p p], whose memory is the caller's; chi2 and rank of X */
     double *c, *covariance, chi2;
     size_t rank;
 } stats_linear;
 
-/* Errors: RP_BAD_INPUT (p > n, a value that is not finite, a tolerance of 0), RP_NO_MEMORY, RP_BROKEN. */
+/* Errors: RP_BAD_INPUT (p > n, a value that is not finite, a tolerance of 0), RP_NO_MEMORY. */
 rp_status stats_linear_fit(stats_linear *fit);
 
 /* ---- least value of a function (least.c) ---- */
 
-/* A function of x[n], as NLopt has it, which asks for no gradient here. */
-typedef double stats_function(unsigned n, const double x[], double gradient[], void *data);
+typedef double stats_function(const double x[], void *data);
 
 typedef struct {
     stats_function *f;
@@ -183,13 +182,12 @@ typedef struct {
     size_t n;              /* dimensions, up to three */
     const double *lo, *hi; /* of each; a side with lo = hi is held */
     int cells;             /* of the grid, a side */
-    bool steps;            /* the function has steps, where quadratic models of it fail */
     const double *guess;   /* a place near to the least, but for held sides; NULL: unknown */
 } stats_minimum;
 
 /* Least value over the box: downhill from the best of the grid, and from the guess or, without one, from the
  * middles of the halves of all sides. Sets x[n] and *value. Errors: RP_BAD_INPUT (n, cells, an end
- * that is not finite), RP_NO_MEMORY, RP_BROKEN. */
+ * that is not finite). */
 rp_status stats_least(const stats_minimum *m, double x[], double *value);
 
 RP_C_END

@@ -39,7 +39,7 @@ done
 { printf 'x\ty\tr\tfixed\n'
   columns x y r <settled_box_400.tsv |
       awk '{ print $1, $2, $3, ($1 < 0.2 || $1 > 3.8 || $2 < 0.2 ? 1 : 0) }' OFS='\t'; } >fixed_400.tsv
-echo 'normal = { law = "hertz"; }; tangential = { law = "spring"; mu = 0.2; }; particles_file = "fixed_400.tsv";' >fixed.cfg
+echo 'normal = { law = "hertz"; }; tangential = { law = "spring"; mu = 0.2; damping = "outside"; }; particles_file = "fixed_400.tsv";' >fixed.cfg
 from=1000 to=1400
 row 'all of the box' box.cfg
 row 'without friction' box.cfg --set tangential.law=none --set tangential.mu=0

@@ -23,7 +23,7 @@ box() { # N steps
     local dt=5e-5
     if [ "$1" -gt 20000 ]; then dt=4e-5; fi # a high fall
     cat <<S
-steps = $2; dt = $dt; tangential = { law = "spring"; mu = 0.2; };
+steps = $2; dt = $dt; tangential = { law = "spring"; mu = 0.2; damping = "outside"; };
 walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },
           { point = [0.0, 0.0]; direction = [1.0, 0.0]; },
           { point = [$(width "$1"), 0.0]; direction = [-1.0, 0.0]; } );

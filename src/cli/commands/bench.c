@@ -81,6 +81,7 @@ static rp_status begin(rp_arena *arena, bench_options *o, dem_sim **sim, double 
     if (!(o->width > 0.0)) o->width = fmax(0.4, sqrt(0.04 * (double)o->n));
     if (!grains) RP_TRY(fill(arena, o, &grains));
     dem_definition def = dem_definition_default();
+    def.damping = DEM_DAMPING_OUTSIDE; /* of the paper's box */
     def.rotation = o->rotation;
     def.material.mu_roll = o->mu_roll;
     dem_material wall = def.material;

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "cli/cli.h"
+#include "core/elementary.h"
 #include "core/version.h"
 #include "params/config.h"
 #include "params/expression.h"
@@ -50,6 +51,7 @@ typedef struct {
     measured number[STATS_NUMBERS];
     group group[STATS_NUMBERS];
     long seed, budget;
+    bool made; /* runs of the last stage, now */
     rp_expression where;
     rp_x_names names;
     size_t n_table_points;
@@ -132,7 +134,7 @@ static rp_status read_measured(problem *s, const config_setting_t *setting, size
         return rp_config_fail(setting, "measured: one of experiment, protocol and runs expected");
     if (*m->runs && values) return rp_config_fail(values, "fixed: a table is as it is");
     s->quest.value[k] = m->value;
-    s->quest.error[k] = hypot(m->error, m->model_error);
+    s->quest.error[k] = rp_hypot(m->error, m->model_error);
     if (values) RP_TRY(text_of(s->call->arena, values, &fixed));
     s->quest.group[k] = group_of(s, m, fixed);
     s->quest.fixed_runs |= *m->runs != 0;
@@ -331,6 +333,7 @@ static rp_status run_group(problem *s, size_t stage, size_t g, size_t n, const d
     RP_TRY(write_sweep(s, &s->group[g], path, n, x, replicas));
     RP_TRY(cli_claim_sweep(dir, path, s->o->force));
     RP_TRY(sweep_prepare(path, dir, 0, sweep_protocols, NULL, &counts));
+    s->made |= counts.stored < counts.planned;
     if (!s->o->quiet && counts.stored < counts.planned)
         fprintf(stderr, "repose calibrate: stage %zu, %s: %zu points, %zu runs each, in %s\n", stage + 1,
                 s->group[g].source, n, replicas, dir);
@@ -344,6 +347,7 @@ static rp_status run_stage(void *host, size_t stage, size_t *n, const double **x
 {
     problem *s = host;
     if (s->quest.fixed_runs) return *n = s->n_table_points, *x = s->points, *runs = s->runs, RP_OK;
+    s->made = false;
     RP_NEW(s->call->arena, *runs, *n * s->quest.n_numbers);
     for (size_t g = 0; g < s->quest.n_groups; g++) {
         RP_TRY(run_group(s, stage, g, *n, *x, replicas[g]));
@@ -443,45 +447,58 @@ static const char *combination(const problem *s, const stats_answer *a)
         const char *sign = !*text ? (w < 0.0 ? "-" : "") : w < 0.0 ? " - " : " + ";
         text = fabs(fabs(w) - 1.0) < 5e-4
                    ? rp_text(s->call->arena, "%s%s%s", text, sign, s->name[p])
-                   : rp_text(s->call->arena, "%s%s%.3g %s", text, sign, fabs(w), s->name[p]);
+                   : rp_text(s->call->arena, "%s%s%.4g %s", text, sign, fabs(w), s->name[p]);
     }
     return text;
 }
 
-/* The slope of a column across the combination, beside its scatter, by a straight line through the rows; 0
- * where there is none. */
-static double slope_across(const problem *s, const stats_answer *a, const rp_table *t, int column,
-                           const int names[])
+/* 1, the names in units of their ranges, and their products of two. */
+enum { PARABOLA = 1 + STATS_NAMES + STATS_NAMES * (STATS_NAMES + 1) / 2 };
+static size_t parabola(const problem *s, const double x[], double t[PARABOLA])
 {
-    RP_SCOPE(arena);
     const size_t p = s->quest.n_names;
-    double coefficients[STATS_NAMES + 1], covariance[(STATS_NAMES + 1) * (STATS_NAMES + 1)],
-        along = 0.0, power = 0.0, weight2 = 0.0, *X = rp_arena_memory(&arena, t->n_rows * (p + 1), sizeof *X),
-        *y = rp_arena_memory(&arena, t->n_rows, sizeof *y);
-    stats_linear fit = {
-        .p = p + 1, .X = X, .y = y, .tolerance = 1e-12, .c = coefficients, .covariance = covariance};
-    for (size_t row = 0; row < t->n_rows && X && y; row++) {
-        double v = NAN, *x = &X[fit.n * (p + 1)];
-        if (rp_table_number(t, row, column, 1, &v) || !isfinite(v)) continue;
-        x[0] = 1.0, y[fit.n++] = v;
-        for (size_t i = 0; i < p; i++) {
-            rp_table_number(t, row, names[i], 1, &v);
-            x[1 + i] = (v - s->quest.lo[i]) / (s->quest.hi[i] - s->quest.lo[i]);
-        }
-    }
-    if (fit.n < 2 * p + 4 || stats_linear_fit(&fit) || !(fit.chi2 > 0.0)) return 0.0;
-    for (size_t i = 0; i < p; i++) {
-        const double w = a->weight[i] * (s->quest.hi[i] - s->quest.lo[i]), slope = coefficients[i + 1];
-        along += w * slope, weight2 += w * w, power += slope * slope;
-    }
-    return sqrt(fmax(power - along * along / weight2, 0.0) / (fit.chi2 / (double)(fit.n - p - 1)));
+    size_t n = 1;
+    t[0] = 1.0;
+    for (size_t i = 0; i < p; i++) t[n++] = (x[i] - s->quest.lo[i]) / (s->quest.hi[i] - s->quest.lo[i]);
+    for (size_t i = 1; i <= p; i++)
+        for (size_t k = i; k <= p; k++) t[n++] = t[i] * t[k];
+    return n;
 }
 
-/* Of the numbers that the runs give besides, the one whose slope across the combination is largest beside its
- * scatter, in the last stage; NULL: none stands out. */
+/* By how many of its scatters a column differs between the ends of what agrees, by a parabola through the
+ * rows; 0 where that may be by chance. */
+static double apart_by(const problem *s, const stats_answer *a, const rp_table *t, int column,
+                       const int names[])
+{
+    RP_SCOPE(arena);
+    double c[PARABOLA], covariance[PARABOLA * PARABOLA], from[PARABOLA], to[PARABOLA], sum = 0.0,
+                                                                                       variance = 0.0;
+    const size_t p = parabola(s, a->ends[0], from);
+    double *X = rp_arena_memory(&arena, t->n_rows * p, sizeof *X),
+           *y = rp_arena_memory(&arena, t->n_rows, sizeof *y);
+    stats_linear fit = {.p = p, .X = X, .y = y, .tolerance = 1e-12, .c = c, .covariance = covariance};
+    parabola(s, a->ends[1], to);
+    for (size_t row = 0; row < t->n_rows && X && y; row++) {
+        double v = NAN, x[STATS_NAMES];
+        if (rp_table_number(t, row, column, 1, &v) || !isfinite(v)) continue;
+        for (size_t i = 0; i < s->quest.n_names; i++) rp_table_number(t, row, names[i], 1, &x[i]);
+        parabola(s, x, &X[fit.n * p]), y[fit.n++] = v;
+    }
+    if (fit.n < p + 4 || stats_linear_fit(&fit) || !(fit.chi2 > 0.0)) return 0.0;
+    for (size_t i = 0; i < p; i++) {
+        sum += c[i] * (to[i] - from[i]);
+        for (size_t k = 0; k < p; k++)
+            variance += (to[i] - from[i]) * covariance[i * p + k] * (to[k] - from[k]);
+    }
+    const double by = fabs(sum) / sqrt(fit.chi2 / (double)(fit.n - p));
+    return by > 2.0 && sum * sum > 4.0 * variance ? by : 0.0;
+}
+
+/* Of the numbers that the runs give besides, the one that differs most along what agrees, beside its scatter,
+ * in the last stage; NULL: none stands out. */
 static const char *separator(const problem *s, const stats_answer *a)
 {
-    double most = 3.0;
+    double most = 0.0;
     const char *best = NULL;
     for (size_t g = 0; g < s->quest.n_groups; g++) {
         const rp_table *t = s->group[g].table;
@@ -490,25 +507,54 @@ static const char *separator(const problem *s, const stats_answer *a)
         for (size_t i = 0; i < s->quest.n_names && whole; i++)
             whole = (names[i] = rp_table_column(t, s->name[i])) >= 0;
         for (size_t c = 0; whole && c < t->n_columns; c++) {
-            const double across = is_used(s, t->names[c]) ? 0.0 : slope_across(s, a, t, (int)c, names);
-            if (!(across > most)) continue;
-            most = across;
-            best = rp_text(s->call->arena, "%s of %s", t->names[c], s->group[g].source);
+            const double by = is_used(s, t->names[c]) ? 0.0 : apart_by(s, a, t, (int)c, names);
+            if (!(by > most)) continue;
+            most = by;
+            best = rp_text(s->call->arena, "%s of %s (differs by %.2g of its scatter)", t->names[c],
+                           s->group[g].source, by);
         }
     }
     return best;
 }
 
-/* Is a best value an end of its range? There the fits reach farthest, and no slope is 0: what their curvature
- * determines is not what the numbers do. */
-static bool is_at_edge(const problem *s, const stats_answer *a)
+/* "; determined is mu + 1.9 mu_roll = 0.5 +- 0.01; best to separate the names: width of FILE" */
+static const char *apart(const problem *s, const stats_answer *a)
 {
-    bool edge = false;
+    const char *other = separator(s, a),
+               *sum = a->determined ? rp_text(s->call->arena, "; determined is %s = %.5g +- %.2g",
+                                              combination(s, a), a->sum, a->sum_error)
+                                    : "";
+    return rp_text(s->call->arena, "%s; %s%s", sum,
+                   other ? "best to separate the names: "
+                         : "no other number of these runs separates the names",
+                   other ? other : "");
+}
+
+/* Is it the names that the numbers can't tell, rather than their range? */
+static bool is_unseparated(const problem *s, stats_identified status)
+{
+    return s->quest.n_names > 1 &&
+           (status == STATS_IDENTIFIED_NOT_IDENTIFIED || status == STATS_IDENTIFIED_SEVERAL ||
+            status == STATS_IDENTIFIED_BUDGET || status == STATS_IDENTIFIED_BENT);
+}
+
+/* "repose calibrate: after stage 1: mu 0.2 to 0.4", after runs that were made now. */
+static void tell(void *host, const stats_answer *a)
+{
+    const problem *s = host;
+    bool unseparated = false;
+    if (s->o->quiet || !s->made) return;
+    fprintf(stderr, "repose calibrate: after stage %zu:", a->stages);
     for (size_t p = 0; p < s->quest.n_names; p++) {
-        const double slack = 1e-3 * (a->hi[p] - a->lo[p]);
-        edge |= a->x[p] <= a->lo[p] + slack || a->x[p] >= a->hi[p] - slack;
+        const size_t n = a->n_intervals[p];
+        const stats_identified status = a->status[p];
+        unseparated |= is_unseparated(s, status) && status != STATS_IDENTIFIED_BUDGET;
+        fprintf(stderr, "%s %s ", p ? "," : "", s->name[p]);
+        if (n > 0) fprintf(stderr, "%.3g to %.3g", a->interval[p][0].lower, a->interval[p][n - 1].upper);
+        if (status != STATS_IDENTIFIED_BUDGET)
+            fprintf(stderr, "%s%s", n > 0 ? ", " : "", stats_identified_words[status]);
     }
-    return edge;
+    fprintf(stderr, "%s\n", unseparated ? apart(s, a) : "");
 }
 
 /* How many runs of all stages ended by which word other than ok. */
@@ -542,31 +588,39 @@ static const char *cut_ends(const problem *s, const stats_answer *a)
 
 static void print_answer(const problem *s, const stats_answer *a)
 {
+    const bool bent = a->status[0] == STATS_IDENTIFIED_BENT;
     cli_provenance(s->call, stdout);
-    rp_table_note(stdout, "runs", "%zu at %zu points, %zu of them without some number, in %zu stages",
-                  s->quest.fixed_runs ? 0 : a->n_runs, a->n_points, a->n_failed, a->stages);
+    rp_table_note(stdout, "runs", "%zu at %zu points, %zu of them without some number, %s", a->n_runs,
+                  a->n_points, a->n_failed,
+                  !s->quest.fixed_runs ? rp_text(s->call->arena, "in %zu stages", a->stages)
+                  : a->n_repeated > 0  ? rp_text(s->call->arena, "%zu repeated", a->n_repeated)
+                                      : "none repeated: nothing tells scatter from a form that does not fit");
     print_failed(s, a->stages);
     if (*cut_ends(s, a))
         rp_table_note(stdout, "range", "%s: only there the runs have all numbers", cut_ends(s, a));
     rp_table_note(stdout, "chi2", "%.3g over %zu", a->chi2, a->dof);
     for (size_t k = 0; k < s->quest.n_numbers; k++) {
         const measured *m = &s->number[k];
-        const double d = (m->value - a->fitted[k]) / hypot(s->quest.error[k], a->fit_error[k]);
-        rp_table_note(stdout, m->of,
-                      "measured %.6g +- %.3g, fitted %.6g +- %.3g, residual %.2g; form p = %.2g; runs reach "
-                      "%.6g to %.6g",
-                      m->value, s->quest.error[k], a->fitted[k], a->fit_error[k], d, a->p_value[k],
+        const double d = (m->value - a->fitted[k]) / rp_hypot(s->quest.error[k], a->fit_error[k]);
+        rp_table_note(stdout, m->of, "measured %.6g +- %.3g%s; form p = %s; runs reach %.6g to %.6g",
+                      m->value, s->quest.error[k],
+                      bent ? ""
+                           : rp_text(s->call->arena, ", fitted %.6g +- %.3g, residual %.2g", a->fitted[k],
+                                     a->fit_error[k], d),
+                      isnan(a->p_value[k]) ? "not known" : rp_text(s->call->arena, "%.2g", a->p_value[k]),
                       a->reach[k][0], a->reach[k][1]);
     }
-    for (size_t p = 1; p < s->quest.n_names; p++)
+    for (size_t p = 1; p < s->quest.n_names && !bent; p++)
         for (size_t q = 0; q < p; q++)
             rp_table_note(stdout, "correlation", "%s and %s: %.2f", s->name[q], s->name[p],
                           a->correlation[q][p]);
     if (s->quest.n_names > 1)
         rp_table_note(stdout, "determined", "%s",
-                      is_at_edge(s, a) ? "not told where the best values lie at an end of their range"
-                                       : rp_text(s->call->arena, "%s = %.4g +- %.2g", combination(s, a),
-                                                 a->sum, a->sum_error));
+                      a->determined ? rp_text(s->call->arena, "%s = %.5g +- %.2g", combination(s, a), a->sum,
+                                              a->sum_error)
+                      : bent        ? "not told where the runs bend too much"
+                                    : "not told where the best values lie at an end of their range, or what "
+                                      "agrees bends");
     rp_table_note(stdout, "left out", "%zu of %zu points are found again by the others", a->recovered,
                   a->tried);
     rp_table_note(stdout, "holds for", "the experiments that ran, and no other model");
@@ -592,14 +646,7 @@ static rp_status conclude(const problem *s, const stats_answer *a)
     if (p == s->quest.n_names) return RP_OK;
     const stats_identified status = a->status[p];
     const char *more = "";
-    if (status == STATS_IDENTIFIED_NOT_IDENTIFIED && s->quest.n_names > 1) {
-        const char *other = separator(s, a);
-        const char *sum = is_at_edge(s, a) ? ""
-                                           : rp_text(s->call->arena, "; determined is %s = %.3g +- %.2g",
-                                                     combination(s, a), a->sum, a->sum_error);
-        more = rp_text(s->call->arena, "%s%s%s", sum, other ? "; best to separate the names: " : "",
-                       other ? other : "");
-    }
+    if (is_unseparated(s, status)) more = apart(s, a);
     if (status == STATS_IDENTIFIED_ABOVE_RANGE || status == STATS_IDENTIFIED_BELOW_RANGE)
         more = rp_text(s->call->arena, "; the runs reach %.3g to %.3g, for %g <= %s <= %g", a->reach[0][0],
                        a->reach[0][1], a->lo[0], s->name[0], a->hi[0]);
@@ -634,7 +681,7 @@ static rp_status find(problem *s)
     RP_TRY(read_file(s));
     RP_TRY(s->quest.fixed_runs ? rp_prefix(read_tables(s), "%s: ", s->path) : find_names(s));
     if (s->o->dry_run) return plan_alone(s);
-    s->quest.host = s, s->quest.run = run_stage, s->quest.leave_out = true;
+    s->quest.host = s, s->quest.run = run_stage, s->quest.tell = tell, s->quest.leave_out = true;
     RP_TRY(rp_prefix(stats_identify(&s->quest, &a), "%s: ", s->path));
     print_answer(s, &a);
     return conclude(s, &a);
@@ -732,9 +779,12 @@ const cli_command cmd_calibrate = {
     "NAME = [from, to]; } and measured = ( { experiment, of, value, error } ), where `of` is a column of the "
     "experiment's sweep, and if wanted fixed = { ... }, model_error, protocol instead of experiment, or "
     "runs, a table of another program; where = \"CONDITION\" of the names, seed, budget. Each number is "
-    "fitted by a quadratic of the names over the runs of a design; where that agrees with the measurements, "
-    "a smaller box gets more runs, until the answer is settled. Each stage is a sweep in DIR: the same "
-    "command continues. The first one takes 24 runs of each experiment for one name, 40 for two, 56 for "
+    "fitted by a polynomial of the names over the runs of a design, with more terms where the runs bend; "
+    "where "
+    "that agrees with the measurements, a smaller box gets more runs, until the answer is settled. Each "
+    "stage "
+    "says what is known, and is a sweep in DIR: the same command continues. The first one takes 24 runs of "
+    "each experiment for one name, 40 for two, 56 for "
     "three.\n"
     "\n"
     "--theta-r-deg: the friction of a box that is opened on one side, whose pile has this angle of repose; "
@@ -744,7 +794,10 @@ const cli_command cmd_calibrate = {
     "The interval from lower to upper is of 95 %, by profiles of chi2: of the measurement's error, the "
     "scatter of the runs, and the lack of fit. The header has each number's residual and reach, "
     "correlations, the combination of the names that is determined best, and how many points of the design "
-    "the others find again.\n"
+    "the others find again. form p is the chance of such a misfit, beyond a tenth of the measurement's "
+    "error, "
+    "if the polynomial holds. Below 0.01 the runs reject it, and no value is printed. Repeated runs tell "
+    "it.\n"
     "\n"
     "status is one of\n"
 #define X(name, word, meaning) "  " word ": " meaning "\n"

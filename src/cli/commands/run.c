@@ -11,6 +11,7 @@
 #include "cli/result.h"
 #include "cli/progress.h"
 #include "cli/closing.h"
+#include "core/elementary.h"
 #include "core/clock.h"
 #include "params/config.h"
 #include "params/units.h"
@@ -75,6 +76,7 @@ typedef struct {
     long written[CLI_GROWING]; /* steps of the last frames: a phase may have none */
     dem_sim *sim;              /* with phases theirs */
     exp_run *exp;              /* NULL: no phases */
+    bool over_friction;        /* has been told */
     origin of;
     cli_result result;
     cli_progress progress;
@@ -147,12 +149,28 @@ static long steps_of(const scene_run *r)
     return r->exp ? exp_steps(r->exp) : dem_step(r->sim);
 }
 
+/* Once a run. */
+static void tell_friction(scene_run *r)
+{
+    size_t over = 0;
+    const size_t n = r->o->quiet || r->over_friction ? 0 : dem_over_friction(r->sim, &over);
+    if (over == 0) return;
+    r->over_friction = true;
+    fprintf(
+        stderr,
+        "repose run: warning: t = %.5g: the shear force of %zu of %zu contacts exceeds mu times the normal "
+        "force: damping = \"outside\" adds the dashpot to this limit, \"inside\" obeys it\n",
+        dem_time(r->sim), over, n);
+}
+
 /* A frame of the tables whose turn it is at this step or at a stage's end; `last`: of all that have any. */
 static rp_status write_frame(scene_run *r, bool stage, bool last)
 {
     const long *every = r->plan.every, step = steps_of(r);
+    if (stage || last) tell_friction(r);
     for (int k = 0; k < CLI_GROWING; k++) {
         const bool due = every[k] && (last || stage || (every[k] > 0 && step % every[k] == 0));
+        if (due && k == CONTACTS) tell_friction(r);
         if (!due || !table_of(r, k) || r->written[k] == step) continue;
         RP_TRY(dem_write_rows((dem_table)k, r->sim, step, table_of(r, k)));
         r->written[k] = step;
@@ -313,7 +331,8 @@ static void write_measures(const scene_run *r, FILE *out)
     for (size_t k = 0; k < n; k++) {
         fprintf(out, "%s\t", o[k].name);
         rp_table_numbers(out, 1, &exp_values(r->exp)[k]);
-        fprintf(out, "\t%s\t%s\n", cli_cell(o[k].unit), o[k].meaning);
+        fprintf(out, "\t%s\t%s%s\n", cli_cell(o[k].unit), o[k].meaning,
+                isnan(exp_values(r->exp)[k]) ? "; it has no value" : "");
     }
 }
 
@@ -512,7 +531,7 @@ static rp_status read_text(const char *path, scene_run *r)
         RP_TRY(dem_text_scene(&r->text, scene));
     }
     if (*scene->unused) fprintf(stderr, "repose run: particles_file: not used:%s\n", scene->unused);
-    warn_gravity(path, hypot(scene->def.gravity[0], scene->def.gravity[1]));
+    warn_gravity(path, rp_hypot(scene->def.gravity[0], scene->def.gravity[1]));
     if (r->o->ledger) scene->def.ledger = true;
     if (r->o->ledger && r->phases) exp_keep_ledger(r->phases);
     return RP_OK;

@@ -1,6 +1,7 @@
 /* repose stress field, repose stress base: stress in piles and on their base, from tables of contacts. */
 #include <string.h>
 
+#include "core/elementary.h"
 #include "angle/angle.h"
 #include "stress/stress.h"
 #include "table/where.h"
@@ -50,7 +51,7 @@ static rp_status find_floor(const char *prefix, const double *block, long asked,
     }
     for (size_t k = 0; k < p->n; k++) {
         const stress_contact *c = &p->contacts[k];
-        const bool there = fabs(c->y_b - y) <= NEAR * hypot(c->x - c->x_b, c->y - c->y_b);
+        const bool there = fabs(c->y_b - y) <= NEAR * rp_hypot(c->x - c->x_b, c->y - c->y_b);
         marked += p->floor[k] = block[k] == 0.0 && (asked < 1 ? there : block[p->n + k] == (double)asked);
     }
     if (marked) return RP_OK;
@@ -65,7 +66,7 @@ static double ground_of(const stress_pile *p, bool floor)
     double ground = floor ? INFINITY : 0.0, size = 0.0;
     for (size_t k = 0; k < p->n; k++) {
         const stress_contact *c = &p->contacts[k];
-        size = fmax(size, hypot(c->x - c->x_b, c->y - c->y_b));
+        size = fmax(size, rp_hypot(c->x - c->x_b, c->y - c->y_b));
         if (!floor || p->floor[k]) ground = fmin(ground, fmin(c->y, c->y_b));
     }
     return fabs(ground) <= NEAR * size ? 0.0 : ground;
@@ -87,7 +88,7 @@ static rp_status pile_read(rp_arena *arena, const char *prefix, const rp_texts *
     for (size_t k = 0; k < p->n; k++) {
         const double *v = block + k;
         const size_t n = p->n;
-        const double lx = v[2 * n] - v[4 * n], ly = v[3 * n] - v[5 * n], l = hypot(lx, ly);
+        const double lx = v[2 * n] - v[4 * n], ly = v[3 * n] - v[5 * n], l = rp_hypot(lx, ly);
         const double fn = v[6 * n], fs = v[7 * n];
         p->wall[k] = v[0] == 0.0;
         if (!(l > 0.0)) return rp_fail(RP_BAD_INPUT, "%s: contact %zu has no branch", prefix, k + 1);

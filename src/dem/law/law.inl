@@ -217,9 +217,8 @@ LAW dem_slider dem_slider_of(dem_slip slip, dem_damping damping, double k, doubl
  * energy F^2/(2 k) falls then; while the contact shrinks the spring stays, and k s^2/2 falls. */
 LAW dem_slider dem_law_mindlin(dem_slider c, num r_eff, num m_eff, num overlap, num before, num *spring)
 {
-    const num zero = {0}, k = c.k * num_sqrt(r_eff * overlap),
-              grown = num_sqrt(num_max(before, zero) / overlap);
-    *spring = num_choose(num_less(before, overlap), *spring * grown, *spring);
+    const num zero = {0}, k = c.k * num_sqrt(r_eff * overlap), was = num_max(before, zero);
+    *spring = num_choose(num_less(was, overlap), *spring * num_sqrt(was / overlap), *spring);
     c.gamma = c.gamma * num_sqrt(k / m_eff), c.k = k, c.inverse_k = 1.0 / k;
     return c;
 }

@@ -61,7 +61,9 @@ RP_C_BEGIN
     X(DEM_TOTAL, total,                                                                                      \
       "the spring is never shortened, as Lee & Herrmann's (2b) is printed: sliding stores energy")
 #define DEM_DAMPINGS(X)                                                                                      \
-    X(DEM_DAMPING_OUTSIDE, outside, "the dashpot adds to the limit mu F_n, as (2b) is printed")              \
+    X(DEM_DAMPING_OUTSIDE, outside,                                                                          \
+      "the dashpot adds to the limit mu F_n, as (2b) is printed: a drag, no friction, slows all that "       \
+      "slides")                                                                                              \
     X(DEM_DAMPING_INSIDE, inside, "spring and dashpot together obey the limit mu F_n")
 
 /* Models of rolling resistance, named as by Ai, Chen, Rotter & Ooi 2011. */
@@ -159,9 +161,8 @@ typedef struct {
     double k_n, gamma_n, m_eff, v;
 } dem_head_on;
 
-/* Their impact, from first touch until the overlap is 0 again, by an adaptive Runge-Kutta method, without the
- * simulator. Damping beyond 1e4 of the spring's rate: the limit of no spring, to 1e-6. A pair that never
- * parts has restitution 0 and time INFINITY. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
+/* Their impact, from first touch until the overlap is 0 again, without the simulator: the same bits on every
+ * processor, to 1e-12. A pair that never parts has restitution 0 and time INFINITY. Errors: RP_BAD_INPUT. */
 typedef struct {
     double restitution, overlap, time;
 } dem_collision_result;
@@ -173,7 +174,7 @@ double dem_impact_error(const dem_head_on *bodies, double restitution, double dt
 
 /* gamma_n with which their impact has this restitution, in (0, 1], whatever gamma_n they have: in closed
  * form, at any speed, where the law has a damping ratio; else from dem_collision, to 1e-12 of it. Errors:
- * RP_BAD_INPUT, RP_NO_MEMORY. */
+ * RP_BAD_INPUT, RP_BROKEN. */
 rp_status dem_damping_of(const dem_head_on *bodies, double restitution, double *gamma_n);
 
 RP_C_END

@@ -10,7 +10,8 @@
  *   ALSO       spellings that the range allows too
  *   AUTOMATIC  of a MATERIAL: value of "auto", from the other coefficients `m` of the same contact, and
  *              `rate`: gamma_n is in 1/s; negative for none
- *   WALL       of a MATERIAL: "auto" of a wall is this times the grains' coefficient
+ *   WALL       of a MATERIAL: "auto" of a wall is this times the grains' coefficient as given; where that is
+ *              "auto" too, AUTOMATIC of the wall's own
  * and of a choice, which is a SCENE, further members of its rp_param. */
 #ifndef DEM_PARAMETERS_H
 #define DEM_PARAMETERS_H
@@ -79,8 +80,8 @@
     DEM_MU_PARAM(X, "0.0") \
     DEM_CHOICE(X, slip, DEM_KEY("slip"), DEM_DEFAULT("truncated"), DEM_SLIPS, \
       DEM_MEANING("shear spring of a sliding contact: cut at the Coulomb limit, or as (2b) is printed")) \
-    DEM_CHOICE(X, damping, DEM_KEY("damping"), DEM_DEFAULT("outside"), DEM_DAMPINGS, \
-      DEM_MEANING("whether the limit mu F_n leaves the shear dashpot out, as printed, or holds it with the spring"))
+    DEM_CHOICE(X, damping, DEM_KEY("damping"), DEM_DEFAULT("inside"), DEM_DAMPINGS, \
+      DEM_MEANING("whether the limit mu F_n holds the shear dashpot with the spring, or leaves it out, as printed"))
 
 /* Group `rolling`. */
 #define DEM_ROLLING_PARAMS(X) \

@@ -242,7 +242,7 @@ INLINE void run_of_motion(dem_sim *sim, size_t from, size_t to, double h, dem_la
         pair_loop(sim, from, to, h, (features){law, true, true, false});
 }
 
-/* The compiler knows all choices of the laws of a box and of dropped piles. */
+/* The compiler knows the choices of the laws that most scenes make. */
 INLINE void run_of_law(dem_sim *sim, size_t from, size_t to, double h, dem_laws law)
 {
     const bool truncated = law.shear.slip == DEM_TRUNCATED,
@@ -251,8 +251,8 @@ INLINE void run_of_law(dem_sim *sim, size_t from, size_t to, double h, dem_laws 
                inside = law.shear.damping == DEM_DAMPING_INSIDE;
     if (spring && law.tension && !inside)
         run_of_motion(sim, from, to, h, spring_laws(law, DEM_SPRING, true, DEM_DAMPING_OUTSIDE));
-    else if (spring && !law.tension && inside)
-        run_of_motion(sim, from, to, h, spring_laws(law, DEM_SPRING, false, DEM_DAMPING_INSIDE));
+    else if (spring && inside)
+        run_of_motion(sim, from, to, h, spring_laws(law, DEM_SPRING, law.tension, DEM_DAMPING_INSIDE));
     else if (mindlin && !law.tension && inside)
         run_of_motion(sim, from, to, h, spring_laws(law, DEM_MINDLIN, false, DEM_DAMPING_INSIDE));
     else

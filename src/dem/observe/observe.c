@@ -108,6 +108,23 @@ rp_status dem_contacts(const dem_sim *sim, dem_contact **contacts, size_t *n)
     return RP_OK;
 }
 
+size_t dem_over_friction(const dem_sim *sim, size_t *over)
+{
+    static const double ROUND_OFF = 1e-9;
+    const dem_definition *def = &sim->def;
+    dem_relative r;
+    size_t n = 0;
+    *over = 0;
+    if (!dem_has_spring(def->tangential) || def->damping == DEM_DAMPING_INSIDE) return 0;
+    for (size_t k = 0; k < dem_contact_numbers(sim); k++) {
+        if (!dem_contact_relative(sim, k, false, &r)) continue;
+        const dem_contact c = dem_law_forces(sim, &r, 0.0);
+        *over += fabs(c.shear_force) > (1.0 + ROUND_OFF) * r.mu * fmax(c.normal_force, 0.0);
+        n++;
+    }
+    return n;
+}
+
 /* A shear spring of the untruncated law pulls with the constant cap beyond its Coulomb limit. */
 dem_elastic dem_contact_elastic(const dem_sim *sim, size_t k)
 {
@@ -124,7 +141,7 @@ dem_elastic dem_contact_elastic(const dem_sim *sim, size_t k)
     if (dem_has_spring(sim->def.tangential)) {
         double pull = contact.k_s * ds;
         if (sim->def.slip == DEM_TOTAL) pull = fmin(pull, r.mu * normal);
-        energy.shear = pull * ds - 0.5 * pull * pull / contact.k_s;
+        if (pull > 0.0) energy.shear = pull * ds - 0.5 * pull * pull / contact.k_s; /* k_s may be 0 */
     }
     return energy;
 }

@@ -37,6 +37,9 @@ static inline double dem_lower_end(double end)
 /* Put the ends of laws into a definition. */
 void dem_ends_apply(const dem_scene_laws *laws, dem_definition *def);
 
+/* A group that may be missing, or left out by its condition; its values then stay as they are. */
+rp_status dem_read_group(const config_setting_t *root, int number, void *values, bool *there);
+
 /* Is a group there, or left out by its condition? */
 rp_status dem_is_wanted(const config_setting_t *group, bool *wanted);
 

@@ -88,7 +88,8 @@ static const rp_param implicit_schema[] = {
 #define WALL_AUTO_OF(T, at, kind, type, name, key, unit, fallback, range, also, automatic, wall, ...)        \
     DEM_IF_MATERIAL(kind,                                                                                    \
                     {#name, unit, type, AT(T, at name), "auto", range " | auto",                             \
-                     "of this wall; auto: the grains', times " #wall}, )
+                     "of this wall; auto: the grains', times " #wall                                         \
+                     "; where that is auto too, by the wall's own"}, )
 #define OF_MATERIAL(...) WALL_AUTO(dem_material, , __VA_ARGS__)
 #define OF_ENTRY(...)    WALL_AUTO(dem_wall_entry, line.material., __VA_ARGS__)
 
@@ -177,7 +178,7 @@ const dem_scene_group dem_scene_schemas[] = {
      "Chen, Rotter & Ooi 2011, model C)"},
     {"material", material_schema,
      "elastic spheres by their material: stands for normal = { law = \"elastic\"; tension = false; } with "
-     "k_n = 4/3 E*, tangential = { law = \"mindlin\"; damping = \"inside\"; } with k_s = 8 G*, and these "
+     "k_n = 4/3 E*, tangential = { law = \"mindlin\"; } with k_s = 8 G*, and these "
      "coefficients; walls have E and nu of their own, else the grains'"},
     {"walls", wall_schema,
      "lines, segments, polygons and circles, which may move and open. A line or segment: point = [x, y]; "
@@ -205,6 +206,16 @@ rp_status dem_is_wanted(const config_setting_t *group, bool *wanted)
     static const rp_param condition[] = {{"if", "", RP_BOOL, 0, NULL, "", "whether the group is there"}, {0}};
     *wanted = true;
     return config_setting_is_group(group) ? rp_config_peek(group, condition, "if", wanted) : RP_OK;
+}
+
+rp_status dem_read_group(const config_setting_t *root, int number, void *values, bool *there)
+{
+    const config_setting_t *group = member(root, dem_scene_schemas[number].name);
+    *there = false;
+    if (group) RP_TRY(dem_is_wanted(group, there));
+    if (!*there) return RP_OK;
+    rp_params_defaults(SCHEMA(number), values);
+    return rp_config_group(group, SCHEMA(number), values, "if");
 }
 
 rp_status dem_read_name(rp_arena *arena, const config_setting_t *setting, const char *key, const char **name)

@@ -94,14 +94,16 @@ rp_status dem_know(void *host, rp_let_constant which, double *value)
     return which == RP_LET_M && !fill ? mean_mass(member(root, "particles"), &scene, value) : RP_OK;
 }
 
-/* The largest step for impacts at v of two such grains, by density if without a mass, where it is below
- * *least. */
-static void limit_of(dem_scene *scene, double v, dem_grain grain, double density, double *least)
+/* The largest step for impacts at v of two such grains, and of one at the walls, by density if without a
+ * mass, where it is below *least. `r`: the radius of the mean grain, 0: the same. */
+static void limit_of(dem_scene *scene, double v, dem_grain grain, double density, double r_mean,
+                     double *least)
 {
     dem_definition *def = &scene->def;
     const double r = grain.r, m = grain.m > 0.0 ? grain.m : dem_mass(scene->laws.physics.shape, density, r);
     const dem_grain two[2] = {{.r = r, .m = m, .vx = 0.5 * v}, {.x = 3.0 * r, .r = r, .m = m}};
     def->grains = two, def->n_grains = 2;
+    def->mass_to_come = r_mean > 0.0 ? dem_mass(scene->laws.physics.shape, density, r_mean) : m;
     def->gravity[0] = def->gravity[1] = 0.0;
     *least = fmin(*least, dem_time_step_limit(def, NULL));
 }
@@ -119,25 +121,27 @@ static rp_status limit_of_all(const dem_text *text, dem_scene *scene, double v, 
         if (!fill) break;
         RP_TRY(dem_peek_radii(&scene->arena, fill, &radii));
         limit_of(scene, v, (dem_grain){.r = dem_radius_least(&radii)},
-                 radii.density > 0.0 ? radii.density : density, least);
+                 radii.density > 0.0 ? radii.density : density, dem_radius_mean(&radii), least);
     }
     for (size_t i = 0; i < length(list); i++) {
         dem_grain grain = {0};
         RP_TRY(rp_config_peek(element(list, i), SCHEMA(PARTICLES), "r m", &grain));
-        limit_of(scene, v, grain, density, least);
+        limit_of(scene, v, grain, density, 0.0, least);
     }
-    for (size_t i = 0; i < n_read; i++) limit_of(scene, v, scene->grains[i], density, least);
+    for (size_t i = 0; i < n_read; i++) limit_of(scene, v, scene->grains[i], density, 0.0, least);
     return RP_OK;
 }
 
-/* dt_limit(v, r): the largest time step of this file for impacts at v of grains of radius r, by default of
- * all that are there at the start, or of the first that a phase adds; the fall from any height aside. */
+/* dt_limit(v, r): the largest time step of this file for impacts at v, with each other and with any wall, of
+ * grains of radius r, by default of all that are there at the start, or of the first that a phase adds; the
+ * fall from any height and the motion of walls aside. */
 rp_status dem_call(void *host, const char *name, int n, const double args[], double *value, bool *known)
 {
     const dem_text *text = ((rp_lets *)host)->host;
     const config_setting_t *root = config_root_setting(&text->config);
     PART_OF_SCENE(scene);
     double r, density;
+    bool there;
     if (strcmp(name, "dt_limit") != 0) return RP_OK;
     if (n < 1 || n > 2 || !(args[0] >= 0.0) || isinf(args[0]) || (n == 2 && !(args[1] > 0.0)))
         return rp_fail(RP_BAD_INPUT, "dt_limit: a speed and, if wanted, a radius expected");
@@ -145,6 +149,12 @@ rp_status dem_call(void *host, const char *name, int n, const double args[], dou
     for (int k = NORMAL; k <= ROLLING; k++) rp_params_defaults(SCHEMA(k), &scene.laws.physics);
     RP_TRY(dem_read_physics(root, &scene));
     RP_TRY(dem_read_walls(root, &scene));
+    RP_TRY(dem_read_group(root, GROUND, &scene.def.ground, &there));
+    RP_TRY(dem_read_group(root, HARD, &scene.def.hard, &scene.def.hard.on));
+    for (size_t w = 0; w < scene.def.n_walls; w++) {
+        dem_wall *wall = (dem_wall *)&dem_walls_of(&scene.def)[w];
+        wall->velocity[0] = wall->velocity[1] = wall->omega = 0.0; /* v says how fast */
+    }
     density = scene.laws.physics.density;
     RP_TRY(mean_grain(text, "", &scene, &r));
     if (n == 2) r = args[1];
@@ -152,7 +162,7 @@ rp_status dem_call(void *host, const char *name, int n, const double args[], dou
     *known = true;
     *value = INFINITY;
     if (n == 1) RP_TRY(limit_of_all(text, &scene, args[0], density, value));
-    if (isinf(*value)) limit_of(&scene, args[0], (dem_grain){.r = r}, scene.laws.physics.density, value);
+    if (isinf(*value)) limit_of(&scene, args[0], (dem_grain){.r = r}, scene.laws.physics.density, 0.0, value);
     return RP_OK;
 }
 

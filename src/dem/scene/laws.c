@@ -10,7 +10,7 @@ static rp_status read_material(const config_setting_t *material, dem_scene *scen
     RP_TRY(rp_config_group(material, SCHEMA(MATERIAL), scene, NULL));
     const double E[2] = {scene->E, scene->E}, nu[2] = {scene->nu, scene->nu};
     p->normal = DEM_ELASTIC, p->tension = false;
-    p->tangential = DEM_MINDLIN, p->damping = DEM_DAMPING_INSIDE;
+    p->tangential = DEM_MINDLIN;
     dem_elastic_contact(E, nu, &p->k_n, &p->k_s);
     return RP_OK;
 }
@@ -49,7 +49,7 @@ rp_status dem_laws_apply(const dem_scene_laws *laws, const dem_material *given, 
     dem_ends_apply(laws, def);
     memcpy(walls, dem_walls_of(&scene->def), scene->def.n_walls * sizeof *walls);
     for (size_t w = 0; w < scene->def.n_walls; w++) {
-        walls[w].material = dem_wall_material(&given[w], &def->material);
+        walls[w].material = dem_wall_material(&given[w], &laws->physics);
         RP_TRY(rp_prefix(dem_material_check(def, &walls[w].material), "wall %zu: ", w + 1));
     }
     def->wall_list = walls;

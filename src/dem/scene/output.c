@@ -114,8 +114,8 @@ void dem_write_notes(const dem_sim *sim, FILE *out)
                  m_eff = 0.5 * sim->start.mass_mean, v = sim->start.speed;
     rp_table_note(out, "kernel", "%s", sim->loops.name);
     rp_table_note(out, "integrator", "%s", sim->scheme->name);
-    rp_table_note(out, "time step", "dt = %.4g %s; limit %.3g %s, set by %s", sim->def.dt, rp_unit("s"),
-                  sim->start.dt_limit, rp_unit("s"), sim->start.dt_limit_of);
+    rp_table_note(out, "time step", "dt = %.4g %s; limit %s %s, set by %s", sim->def.dt, rp_unit("s"),
+                  rp_text_below(sim->start.dt_limit, (char[32]){0}), rp_unit("s"), sim->start.dt_limit_of);
     if (!(c->k_n > 0.0)) return;
     if (law->sticking_speed && sim->def.tension)
         rp_table_note(out, "sticking speed", "%.3g %s: slower impacts of two mean grains do not part",

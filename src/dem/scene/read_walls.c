@@ -20,7 +20,7 @@ static rp_status add_wall(const dem_wall_entry *entry, dem_wall wall, dem_scene 
     }
     scene->given[n] = wall.material;
     scene->names[n] = entry->name;
-    wall.material = dem_wall_material(&wall.material, &def->material);
+    wall.material = dem_wall_material(&wall.material, &scene->laws.physics);
     rp_status status = dem_wall_check(&wall);
     if (!status) status = dem_material_check(def, &wall.material);
     ((dem_wall *)def->wall_list)[n] = wall;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "dem/scene/file.h"
+#include "dem/scene/radii.h"
 #include "dem/state/method.h"
 #include "params/units.h"
 
@@ -22,17 +23,6 @@ void dem_text_close(dem_text *text)
 {
     rp_lets_end(&text->lets);
     config_destroy(&text->config);
-}
-
-/* A group that may be missing, or left out by its condition; its values then stay as they are. */
-static rp_status read_group(const config_setting_t *root, int number, void *values, bool *there)
-{
-    const config_setting_t *group = member(root, dem_scene_schemas[number].name);
-    *there = false;
-    if (group) RP_TRY(dem_is_wanted(group, there));
-    if (!*there) return RP_OK;
-    rp_params_defaults(SCHEMA(number), values);
-    return rp_config_group(group, SCHEMA(number), values, "if");
 }
 
 /* Phases have one stream, whose seed is that of the text or its first fill. */
@@ -74,13 +64,13 @@ rp_status dem_text_scene(dem_text *text, dem_scene *scene)
     for (int k = NORMAL; k <= ROLLING; k++) rp_params_defaults(SCHEMA(k), &scene->laws.physics);
     RP_TRY(dem_read_physics(root, scene));
     RP_TRY(dem_read_walls(root, scene));
-    RP_TRY(read_group(root, GROUND, &def->ground, &there));
-    RP_TRY(read_group(root, HARD, &def->hard, &def->hard.on));
+    RP_TRY(dem_read_group(root, GROUND, &def->ground, &there));
+    RP_TRY(dem_read_group(root, HARD, &def->hard, &def->hard.on));
     if (member(root, "implicit") && !dem_schemes[def->integrator]->solves)
         return rp_config_fail(member(root, "implicit"), "implicit: needs integrator = \"implicit\"");
-    RP_TRY(read_group(root, IMPLICIT, &def->implicit, &there));
+    RP_TRY(dem_read_group(root, IMPLICIT, &def->implicit, &there));
     rp_params_defaults(SCHEMA(OUTPUT), &scene->output);
-    RP_TRY(read_group(root, OUTPUT, &scene->output, &there));
+    RP_TRY(dem_read_group(root, OUTPUT, &scene->output, &there));
     scene->phases = member(root, "phases") != NULL;
     for (const char *const *key = of_phases; !scene->phases && *key; key++)
         if (member(root, *key))
@@ -88,6 +78,10 @@ rp_status dem_text_scene(dem_text *text, dem_scene *scene)
                                   "%s: needs phases, as in phases = ( { name = \"run\"; steps = %ld; } );",
                                   *key, scene->steps);
     RP_TRY(dem_read_grains(text->path, root, scene));
+    for (const dem_fill *f = scene->fills; f < scene->fills + scene->n_fills; f++) {
+        const double m = dem_mass(f->shape, f->density, dem_radius_mean(f)), least = def->mass_to_come;
+        if (!f->fixed) def->mass_to_come = least > 0.0 ? fmin(m, least) : m;
+    }
     RP_TRY(check_seeds(root));
     /* seed and run of the text go before those of its first fill, and are for what phases add too */
     rp_params_defaults(SCHEMA(FILL), &streams);

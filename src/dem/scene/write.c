@@ -8,7 +8,14 @@
 
 static void write_pair(FILE *out, const char *key, const double pair[2])
 {
-    fprintf(out, "%s = ( %.17g, %.17g ); ", key, pair[0], pair[1]);
+    fprintf(out, "%s = (", key);
+    for (int k = 0; k < 2; k++) /* libconfig has no infinity, expressions have; its -0 is whole and 0 */
+        fprintf(out,
+                isinf(pair[k])                            ? "%s \"%g\""
+                : pair[k] == 0.0 && signbit(pair[k]) != 0 ? "%s %.1f"
+                                                          : "%s %.17g",
+                k ? "," : "", pair[k]);
+    fputs(" ); ", out);
 }
 
 static void write_group(FILE *out, int group, const void *values)
@@ -62,13 +69,9 @@ static void write_walls(FILE *out, const dem_scene *scene)
         if (scene->names && *scene->names[w]) fprintf(out, "name = \"%s\"; ", scene->names[w]);
         write_pair(out, "point", wall->point);
         write_pair(out, "direction", wall->direction);
-        /* libconfig has no infinity: an open end is written as a number far away */
-        double ends[2] = {fmax(wall->extent[0], -1e300), fmin(wall->extent[1], 1e300)};
-        if (isfinite(wall->extent[0]) || isfinite(wall->extent[1])) write_pair(out, "extent", ends);
-        if (dem_wall_moves(wall)) {
-            write_pair(out, "velocity", wall->velocity);
-            write_pair(out, "pivot", wall->pivot);
-        }
+        if (!dem_wall_is_line(wall)) write_pair(out, "extent", wall->extent);
+        if (dem_wall_moves(wall)) write_pair(out, "velocity", wall->velocity);
+        if (wall->pivot[0] != 0.0 || wall->pivot[1] != 0.0) write_pair(out, "pivot", wall->pivot);
         rp_config_write(out, SCHEMA(WALLS) + SHAPE_ROWS, &entry);
         fputs("}", out);
     }

@@ -252,8 +252,8 @@ rp_status dem_definition_check(const dem_definition *def)
     RP_TRY(check_contacts(def));
     RP_TRY(dem_laws_check(def));
     RP_TRY(check_walls_of_all(def));
-    const char *what;
-    double limit = dem_time_step_limit(def, &what);
+    dem_limit_name what;
+    double limit = dem_time_step_limit(def, what);
     if (def->dt > limit) return dem_refuse_step(def, limit, what);
     return RP_OK;
 }

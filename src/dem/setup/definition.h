@@ -39,6 +39,9 @@ rp_status dem_check_listed(const dem_sim *sim, const size_t lines[]);
 /* The box turns, but some grains are fixed: RP_BAD_INPUT. */
 rp_status dem_refuse_turn(void);
 
+/* Does each physical parameter that is a word or a truth have one of its values? */
+bool dem_words_known(const dem_definition *def);
+
 /* Restitution and damping of a contact, of which one is given. Errors: RP_BAD_INPUT. */
 rp_status dem_restitution_check(const dem_definition *def, const dem_material *m);
 

@@ -2,6 +2,8 @@
  * the rates of its quickest contacts. */
 
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
 
 #include "core/elementary.h"
 #include "params/units.h"
@@ -90,14 +92,15 @@ static contact_pair pair_of(double m_a, double coordination_a, double m_b, doubl
     return (contact_pair){1.0 / inverse, (coordination_a / m_a + coordination_b / m_b) / inverse, r_eff};
 }
 
-/* Largest time step of a contact at this overlap. */
-static double contact_step_limit(const dem_definition *def, const dem_material *c, contact_pair of,
-                                 double overlap, dem_load load)
+/* Stiffness and damping of a contact at this overlap: normal, of shear, of rolling. */
+typedef struct {
+    double k[3], gamma[3];
+} contact_laws;
+
+static contact_laws laws_at(const dem_definition *def, const dem_material *c, contact_pair of, double overlap)
 {
-    const dem_scheme *scheme = dem_schemes[def->integrator];
     const dem_normal_descriptor *law = &dem_normal_descriptors[def->normal];
-    const double scaled = law->scale(c->k_n, of.r_eff), k_n = law->stiffness(scaled, overlap),
-                 gamma_n = law->damping_rate(scaled, c->gamma_n, of.m_eff, overlap);
+    const double scaled = law->scale(c->k_n, of.r_eff);
     double unused = 0.0;
     dem_slider slider = dem_slider_of(def->slip, def->damping, c->k_s, c->gamma_s, 0.0),
                roll = dem_rolls_of(def->rolling, def->tangential, dem_arm_of(def, c), c);
@@ -108,31 +111,80 @@ static double contact_step_limit(const dem_definition *def, const dem_material *
     if (def->rolling != DEM_ROLL_SPRING) roll.k = roll.gamma = 0.0;
     if (def->rolling == DEM_ROLL_VISCOUS) /* of the spring's force at this overlap */
         roll.gamma = roll.mu * dem_law_elastic(def->normal, scaled, overlap) / of.m_eff;
-    const double turns = def->rotation ? 1.0 / dem_inertia(def->shape, 1.0, 1.0) : 0.0;
     const bool shear = dem_has_friction(def->tangential), spring = dem_has_spring(def->tangential),
                rolls = shear && c->mu_roll > 0.0;
-    const dem_rates rates = {.gamma = of.coordination * packing_sum(gamma_n, shear ? slider.gamma : 0.0,
-                                                                    rolls ? roll.gamma : 0.0, turns),
-                             .omega2 =
-                                 of.coordination / of.m_eff *
-                                 packing_sum(k_n, spring ? slider.k : 0.0, rolls ? roll.k : 0.0, turns)};
+    return (contact_laws){{law->stiffness(scaled, overlap), spring ? slider.k : 0.0, rolls ? roll.k : 0.0},
+                          {law->damping_rate(scaled, c->gamma_n, of.m_eff, overlap),
+                           shear ? slider.gamma : 0.0, rolls ? roll.gamma : 0.0}};
+}
+
+/* A limit, and what sets it. */
+typedef struct {
+    double dt;
+    const char *of;
+} step_bound;
+
+static double stable_step(const dem_definition *def, const contact_laws *laws, contact_pair of, dem_load load)
+{
+    const double turns = def->rotation ? 1.0 / dem_inertia(def->shape, 1.0, 1.0) : 0.0, *k = laws->k,
+                 *gamma = laws->gamma;
+    const dem_rates rates = {.gamma = of.coordination * packing_sum(gamma[0], gamma[1], gamma[2], turns),
+                             .omega2 = of.coordination / of.m_eff * packing_sum(k[0], k[1], k[2], turns)};
+    const dem_scheme *scheme = dem_schemes[def->integrator];
     return scheme->step_limit ? scheme->step_limit(def, rates, load) : INFINITY;
 }
 
+/* Largest time step of a contact at this overlap. What sets it is what, left out, raises it the most. */
+static step_bound contact_step_limit(const dem_definition *def, const dem_material *c, contact_pair of,
+                                     double overlap, dem_load load)
+{
+    static const char *const names[] = {"impacts", "k_s", "rolling", "gamma_n", "gamma_s", "rolling"};
+    const contact_laws laws = laws_at(def, c, of, overlap);
+    step_bound limit = {stable_step(def, &laws, of, load), names[0]};
+    double most = limit.dt;
+    for (int i = 0; i < 6; i++) {
+        contact_laws without = laws;
+        (i < 3 ? without.k : without.gamma)[i % 3] = 0.0;
+        const double dt = stable_step(def, &without, of, load);
+        if (dt > most) most = dt, limit.of = names[i];
+    }
+    return limit;
+}
+
+static void lower(step_bound t, step_bound *limit)
+{
+    if (t.dt < limit->dt) *limit = t;
+}
+
 /* Largest time step for impacts at speed v, and for a contact at rest under a column as high as v is fallen
- * from, of grains of radius r. */
-static double speed_step_limit(const dem_definition *def, const dem_material *c, contact_pair of, double r,
-                               double v)
+ * from, of grains of radius r. Energy is that of the many, whose m_eff is m_mean, or of 2.5 times the
+ * lightest. */
+static step_bound speed_step_limit(const dem_definition *def, const dem_material *c, contact_pair of,
+                                   double m_mean, double r, double v)
 {
     const dem_normal_descriptor *law = &dem_normal_descriptors[def->normal];
     if (!(c->k_n > 0.0)) return contact_step_limit(def, c, of, 0.0, DEM_AT_IMPACT);
     const double k_n = law->scale(c->k_n, of.r_eff), impact = law->impact_overlap(k_n, of.m_eff, v),
                  weight = of.m_eff * v * v / (4.0 * r), rest = law->rest_overlap(k_n, weight);
-    const double limit = fmin(contact_step_limit(def, c, of, impact, DEM_AT_IMPACT),
-                              contact_step_limit(def, c, of, rest, DEM_AT_REST));
-    /* Where nothing damps, the error of an impact's energy stays below 1 % if the way to the deepest point
-     * would take five steps at the first speed. */
-    return c->gamma_n == 0.0 && v > 0.0 && !def->hard.on ? fmin(limit, impact / (5.0 * v)) : limit;
+    step_bound limit = contact_step_limit(def, c, of, impact, DEM_AT_IMPACT);
+    lower(contact_step_limit(def, c, of, rest, DEM_AT_REST), &limit);
+    const dem_scheme *scheme = dem_schemes[def->integrator];
+    if (!(v > 0.0) || def->hard.on || !scheme->impact_limit) return limit;
+    const double grown = fmin(fmax(m_mean / of.m_eff, 1.0), 2.5);
+    of.m_eff *= grown, of.r_eff *= rp_pow(grown, 1.0 / 3.0);
+    const double deepest = law->impact_overlap(law->scale(c->k_n, of.r_eff), of.m_eff, v);
+    const contact_laws laws = laws_at(def, c, of, deepest);
+    lower(contact_step_limit(def, c, of, law->rest_overlap(law->scale(c->k_n, of.r_eff), grown * weight),
+                             DEM_OF_MANY),
+          &limit);
+    const double omega = sqrt(laws.k[0] / of.m_eff);
+    /* Without damping, the error of an impact's energy stays below 1 % if the way to the deepest point would
+     * take five steps at the first speed. */
+    lower((step_bound){fmax(impact / (5.0 * v),
+                            scheme->impact_limit(def, laws.gamma[0] / omega, laws.k[1] / laws.k[0]) / omega),
+                       "little damped impacts"},
+          &limit);
+    return limit;
 }
 
 /* The same for a well of the ground under a column as high as v is fallen from. An impact's larger force
@@ -163,17 +215,27 @@ static void lightest_two(const dem_definition *def, double r_min, const dem_grai
     }
 }
 
-/* Lower the limit to t, which `contact` sets. */
-static void lower(double t, const char *contact, double *limit, const char **what)
+/* Mean mass of the grains that move, or of those to come. */
+static double mean_mass(const dem_definition *def)
 {
-    if (t >= *limit) return;
-    *limit = t;
-    *what = contact;
+    double sum = 0.0, n = 0.0;
+    for (size_t i = 0; i < def->n_grains; i++)
+        if (!def->grains[i].fixed) sum += def->grains[i].m, n += 1.0;
+    return def->mass_to_come > 0.0 ? def->mass_to_come : sum / n;
 }
 
-static double step_limit(const dem_definition *def, const char **what)
+/* Lower the limit to t, of this contact; at a wall, from 1. */
+static void lower_to(step_bound t, const char *contact, size_t wall, double *limit, dem_limit_name what)
 {
-    *what = "nothing: the integrator is implicit";
+    if (t.dt >= *limit) return;
+    *limit = t.dt;
+    snprintf(what, sizeof(dem_limit_name), "%s%s%s", t.of, *t.of ? " of " : "", contact);
+    if (wall) snprintf(what + strlen(what), sizeof(dem_limit_name) - strlen(what), " at wall %zu", wall);
+}
+
+static double step_limit(const dem_definition *def, dem_limit_name what)
+{
+    snprintf(what, sizeof(dem_limit_name), "nothing: the integrator is implicit");
     if (!dem_schemes[def->integrator]->step_limit) return INFINITY;
     double r_moves = INFINITY, r_min = INFINITY, r_max = 0.0, limit = INFINITY;
     const dem_grain *first, *second;
@@ -182,9 +244,10 @@ static double step_limit(const dem_definition *def, const char **what)
         if (!def->grains[i].fixed) r_moves = fmin(r_moves, def->grains[i].r);
     }
     lightest_two(def, r_min, &first, &second);
-    *what = "no contact";
+    snprintf(what, sizeof(dem_limit_name), "no contact");
     if (!first) return limit;
-    const double v = dem_impact_speed(def), coordination = coordination_of(first->r, r_min);
+    const double v = dem_impact_speed(def), coordination = coordination_of(first->r, r_min),
+                 m_mean = mean_mass(def);
     const contact_pair one =
         pair_of(first->m, coordination, INFINITY, 0.0, first->r); /* the other cannot move */
     if (def->n_grains > 1) {
@@ -192,34 +255,40 @@ static double step_limit(const dem_definition *def, const char **what)
             second ? pair_of(first->m, coordination, second->m, coordination_of(second->r, r_min),
                              first->r * r_max / (first->r + r_max))
                    : one;
-        *what = "two of the lightest grains";
-        limit = speed_step_limit(def, &def->material, two, r_moves, v);
+        lower_to(speed_step_limit(def, &def->material, two, second ? 0.5 * m_mean : m_mean, r_moves, v),
+                 "two of the lightest grains", 0, &limit, what);
     }
     for (size_t w = 0; w < def->n_walls; w++) {
-        lower(speed_step_limit(def, &dem_walls_of(def)[w].material, one, r_moves, v),
-              "the lightest grain at a wall", &limit, what);
+        if (dem_wall_moves(&dem_walls_of(def)[w]))
+            lower_to((step_bound){r_min / dem_wall_speed(def, &dem_walls_of(def)[w]), ""},
+                     "a way below the smallest radius", w + 1, &limit, what);
+        lower_to(speed_step_limit(def, &dem_walls_of(def)[w].material, one, m_mean, r_moves, v),
+                 "the lightest grain", w + 1, &limit, what);
         if ((int)w + 1 == def->ground.wall)
-            lower(well_step_limit(def, first->m, r_moves, v), "the lightest grain in a well of the ground",
-                  &limit, what);
+            lower_to((step_bound){well_step_limit(def, first->m, r_moves, v), ""},
+                     "the lightest grain in a well of the ground", 0, &limit, what);
     }
     return limit;
 }
 
-double dem_time_step_limit(const dem_definition *def, const char **what)
+double dem_time_step_limit(const dem_definition *def, dem_limit_name what)
 {
     dem_definition own = *def;
-    const char *unused;
-    if (!what) what = &unused;
-    *what = "a restitution that cannot be had";
-    const double limit = dem_physics_resolve(&own) ? 0.0 : step_limit(&own, what);
+    dem_limit_name unused;
+    if (!what) what = unused;
+    snprintf(what, sizeof unused, "a restitution that cannot be had");
+    double limit = dem_physics_resolve(&own) ? 0.0 : step_limit(&own, what);
+    /* a box that turns by an angle a step is the faster the shorter the step */
+    for (int k = 0; k < 50 && own.box_turn_per_step != 0.0 && limit < own.dt; k++)
+        own.dt = limit, limit = step_limit(&own, what);
     dem_physics_free(&own, def);
     return limit;
 }
 
 rp_status dem_refuse_step(const dem_definition *def, double limit, const char *what)
 {
-    return rp_fail(RP_BAD_INPUT, "dt = %g: too large for %s, the limit is %.3g for impacts at %.3g %s",
-                   def->dt, what, limit, dem_impact_speed(def), rp_unit("cm/s"));
+    return rp_fail(RP_BAD_INPUT, "dt = %g: too large for %s, the limit is %s for impacts at %.3g %s", def->dt,
+                   what, rp_text_below(limit, (char[32]){0}), dem_impact_speed(def), rp_unit("cm/s"));
 }
 
 /* Of a contact at the start. */
@@ -236,15 +305,14 @@ static contact_pair pair_at(const dem_sim *sim, const dem_relative *r)
 
 rp_status dem_check_start_overlaps(const dem_sim *sim)
 {
-    double limit = INFINITY;
+    step_bound limit = {INFINITY, ""};
     dem_relative r;
     for (size_t k = 0; k < dem_contact_numbers(sim); k++)
         if (dem_contact_relative(sim, k, false, &r))
-            limit =
-                fmin(limit, contact_step_limit(&sim->def, r.c, pair_at(sim, &r), r.overlap, DEM_AT_START));
-    if (sim->def.dt <= limit) return RP_OK;
-    return rp_fail(RP_BAD_INPUT, "dt = %g: too large for an initial overlap, the limit is %.3g", sim->def.dt,
-                   limit);
+            lower(contact_step_limit(&sim->def, r.c, pair_at(sim, &r), r.overlap, DEM_AT_START), &limit);
+    if (sim->def.dt <= limit.dt) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "dt = %g: too large for an initial overlap, the limit is %s", sim->def.dt,
+                   rp_text_below(limit.dt, (char[32]){0}));
 }
 
 rp_status dem_check_listed(const dem_sim *sim, const size_t lines[])

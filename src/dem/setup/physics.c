@@ -51,14 +51,37 @@ dem_physics dem_physics_of(const dem_definition *def, double density)
     DEM_IF_SCENE(kind, p.name = def->name;) DEM_IF_MATERIAL(kind, p.name = m->name;)
     DEM_PHYSICS(TAKEN)
     if (p.restitution == 0.0) p.restitution = -1.0;
+    /* what follows from a wall's restitution is automatic of the grains too */
+    for (size_t w = 0; w < def->n_walls; w++) {
+        if (dem_walls_of(def)[w].material.gamma_s < 0.0) p.gamma_s = -1.0;
+        if (dem_walls_of(def)[w].material.gamma_roll < 0.0) p.gamma_roll = -1.0;
+    }
     return p;
+}
+
+static bool is_word(const char *words, int index)
+{
+    return *rp_word_at(words, index, (char[64]){0}, 64);
+}
+
+bool dem_words_known(const dem_definition *def)
+{
+    bool known = true;
+#define KNOWN_RP_REAL(value, range)   true
+#define KNOWN_RP_BOOL(value, range)   rp_keep_bool(&(value))
+#define KNOWN_RP_CHOICE(value, range) is_word(range, (int)(value))
+#define KNOWN(kind, type, name, key, unit, fallback, range, ...)                                             \
+    DEM_IF_SCENE(kind, known &= KNOWN_##type(def->name, range);)
+    DEM_PHYSICS(KNOWN)
+    return known;
 }
 
 #define AUTO(kind, type, name, ...) DEM_IF_MATERIAL(kind, .name = -1.0, )
 const dem_material dem_material_auto = {DEM_PHYSICS(AUTO)};
 
-dem_material dem_wall_material(const dem_material *given, const dem_material *grains)
+dem_material dem_wall_material(const dem_material *given, const dem_physics *grains)
 {
+    const dem_definition laws = {.normal = grains->normal, .tangential = grains->tangential};
     dem_material m;
 #define WALL_VALUE(...) WALL_VALUE_OF(__VA_ARGS__)
 #define WALL_VALUE_OF(kind, type, name, key, unit, fallback, range, also, automatic, wall, ...)              \
@@ -67,6 +90,7 @@ dem_material dem_wall_material(const dem_material *given, const dem_material *gr
     /* one of the two that is given replaces the grains' other */
     if (given->gamma_n >= 0.0 && given->restitution < 0.0) m.restitution = -1.0;
     if (given->restitution > 0.0 && given->gamma_n < 0.0) m.gamma_n = -1.0;
+    complete(&laws, &m);
     return m;
 }
 
@@ -136,7 +160,7 @@ rp_status dem_physics_resolve(dem_definition *def)
         }
         given = *m;
         RP_TRY(rp_prefix(find_damping(def, mass, m), "wall %zu: ", w + 1));
-        *m = dem_wall_material(m, &def->material);
+        complete(def, m);
     }
     return RP_OK;
 }

@@ -15,8 +15,8 @@ typedef struct {
 } dem_rates;
 
 /* Contacts of which a time step limit is asked: an impact to come, a contact at rest under a column of
- * grains, a contact that the start has. */
-typedef enum { DEM_AT_IMPACT, DEM_AT_REST, DEM_AT_START } dem_load;
+ * grains, of the lightest or of the many, a contact that the start has. */
+typedef enum { DEM_AT_IMPACT, DEM_AT_REST, DEM_OF_MANY, DEM_AT_START } dem_load;
 
 /* Parts of a contact's force on its first grain, which add up to it: along n, which is shorter than 1 where a
  * pair turns in the step; along s; of rolling at its arm. */
@@ -40,6 +40,9 @@ typedef struct dem_scheme {
     rp_status (*check)(const dem_definition *def);
     /* Largest stable time step; NULL: none is too large. */
     double (*step_limit)(const dem_definition *def, dem_rates rates, dem_load load);
+    /* Largest omega dt at which impacts of a bed gain less than 1 % of what they lose, by their error: gamma
+     * and the shear stiffness of a contact over omega and the normal stiffness. */
+    double (*impact_limit)(const dem_definition *def, double damping, double shear);
 
     /* Frees the work space of its own, sim->work, where it has one. */
     void (*free)(dem_sim *sim);

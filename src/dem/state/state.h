@@ -59,7 +59,7 @@ struct dem_sim {
     /* of the start, for the header's notes */
     struct {
         double radius_mean, mass_mean, speed, dt_limit;
-        char dt_limit_of[64];
+        dem_limit_name dt_limit_of;
     } start;
 
     dem_fault fault;

@@ -47,9 +47,10 @@ static bool is_at_60(const dem_contact *c)
     return fabs(turn - 60.0) <= 10.0;
 }
 
-/* Of the contacts between grains than which one of the two has no stronger; most[i]: the strongest force of
- * grain i. */
-static void strongest(const exp_view *s, const bool packed[], double most[], double out[2])
+/* Of the contacts between grains, one of which counts, than which one of the two has no stronger; most[i]:
+ * the strongest force of grain i. */
+static void strongest(const exp_view *s, const bool counts[], const bool packed[], double most[],
+                      double out[2])
 {
     double all[2] = {0.0}, at_60[2] = {0.0};
     for (int pass = 0; pass < 2; pass++)
@@ -61,7 +62,7 @@ static void strongest(const exp_view *s, const bool packed[], double most[], dou
             if (pass == 0) {
                 most[a] = fmax(most[a], c->normal_force);
                 most[b] = fmax(most[b], c->normal_force);
-            } else if (c->normal_force >= fmin(most[a], most[b])) {
+            } else if ((counts[a] || counts[b]) && c->normal_force >= fmin(most[a], most[b])) {
                 const bool both = packed[a] && packed[b];
                 all[0] += 1.0, all[1] += both;
                 at_60[0] += is_at_60(c), at_60[1] += both && is_at_60(c);
@@ -73,21 +74,38 @@ static void strongest(const exp_view *s, const bool packed[], double most[], dou
 static rp_status evaluate(const exp_view *s, const void *params, double out[])
 {
     RP_SCOPE(memory);
-    double *order, *most, n_packed = 0.0;
+    exp_view wide = *s; /* with the grains beside the region, which are neighbours alone */
+    dem_state *grains;
+    double *order, *most, sum = 0.0, counted = 0.0, n_packed = 0.0;
     int *neighbours;
-    bool *packed;
+    bool *packed, *counts;
     (void)params;
     if (s->n == 0) return rp_fail(RP_NO_RESULT, "no grains that move");
-    RP_NEW(&memory, order, s->n);
-    RP_NEW(&memory, most, s->n);
-    RP_NEW(&memory, neighbours, s->n);
-    RP_NEW(&memory, packed, s->n);
-    out[0] = exp_bond_order(s->n, s->grains, order, neighbours);
-    for (size_t i = 0; i < s->n; i++) n_packed += packed[i] = neighbours[i] == 6 && order[i] >= 0.9;
-    out[1] = n_packed / (double)s->n;
-    strongest(s, packed, most, &out[2]);
+    RP_NEW(&memory, grains, s->n_all);
+    RP_NEW(&memory, order, s->n_all);
+    RP_NEW(&memory, most, s->n_all);
+    RP_NEW(&memory, neighbours, s->n_all);
+    RP_NEW(&memory, packed, s->n_all);
+    RP_NEW(&memory, counts, s->n_all);
+    wide.grains = grains, wide.n = 0;
+    for (size_t i = 0; i < s->n_all; i++) {
+        dem_state *const g = &grains[wide.n];
+        *g = s->all[i];
+        dem_box_frame(s->sim, &g->x, &g->y);
+        counts[wide.n] = exp_view_has(s, g->id);
+        wide.n += !g->fixed;
+    }
+    exp_bond_order(wide.n, grains, order, neighbours);
+    for (size_t i = 0; i < wide.n; i++) {
+        packed[i] = neighbours[i] == 6 && order[i] >= 0.9;
+        if (!counts[i]) continue;
+        n_packed += packed[i];
+        if (neighbours[i] >= 2) sum += order[i], counted += 1.0;
+    }
+    out[0] = sum / counted, out[1] = n_packed / (double)s->n;
+    strongest(&wide, counts, packed, most, &out[2]);
     return RP_OK;
 }
 
-EXP_MODULE(order, "bond order of grains and their neighbours", "no_pile", exp_no_keys, char, outputs,
-           EXP_ON_CONTACTS, .evaluate = evaluate);
+EXP_MODULE(order, "bond order of grains and all their neighbours, those beside the region too", "no_pile",
+           exp_no_keys, char, outputs, EXP_ON_CONTACTS, .evaluate = evaluate);
