@@ -172,6 +172,8 @@ static void test_refused(void)
          "of = \"vv\": the runs have no such column (did you mean \"v\"?)"},
         {"fit = { nu = [0.1, 0.8]; }; " MEASURED("slide.cfg", "v", "0.1") " );",
          "fit.nu: no experiment has this name"},
+        {MU MEASURED("slide.cfg", "v", "0.1; fixed = { nu = 1.0; }") " );",
+         "fit.mu: fixed.nu: unknown key (did you mean \"mu\"?)"},
         {MU "where = \"nu < 1\"; " MEASURED("slide.cfg", "v", "0.1") " );",
          "where nu < 1: character 1: unknown name nu (did you mean \"mu\"?)"},
         {MU "budget = 20; " MEASURED("slide.cfg", "v", "0.1") " );",

@@ -680,7 +680,7 @@ static void added_far_away_of(bool rotation)
     uint32_t id = 0;
     CHECK_OK(dem_add(more, &(dem_grain){-60.0, 0.08, 0.08, 0.002, 0.0, 0.0}, &id));
     CU_ASSERT(id == 81 && dem_count(more) == 81);
-    CHECK_FAILS(dem_add(sim, &(dem_grain){-50.0, 0.9, 1.0, 4.2, 0.0, 0.0}, &id), RP_BAD_INPUT,
+    CHECK_FAILS(dem_add(sim, &(dem_grain){-50.0, 0.9, 1.0, 4.2, 0.0, 0.0}, &id), RP_NO_ROOM,
                 "touches wall 1");
     CHECK_OK(dem_neighbours_rebuild(sim));
     dem_state a[80], b[81];
@@ -774,16 +774,16 @@ static void added_names_and_errors(void)
     CHECK_OK(dem_run(sim, 40000)); /* the last grain falls out, the first comes to rest */
     CU_ASSERT(dem_count(sim) == 1);
     CHECK_OK(dem_clone(sim, &same));
-#define REFUSES(text, ...) CHECK_FAILS(dem_add(sim, &(dem_grain){__VA_ARGS__}, &id), RP_BAD_INPUT, text)
-    REFUSES("new particle: r = 0", 2.0, 2.0, 0.0, 0.004, 0.0, 0.0);
-    REFUSES("m = -1", 2.0, 2.0, 0.1, -1.0, 0.0, 0.0);
-    REFUSES("must be finite", 2.0, NAN, 0.1, 0.004, 0.0, 0.0);
-    REFUSES("beyond y_min", 2.0, -0.6, 0.1, 0.004, 0.0, 0.0);
-    REFUSES("touches grain 1", 0.05, 0.1, 0.1, 0.004, 0.0, 0.0);
-    REFUSES("touches wall 1", 0.5, 0.09, 0.1, 0.004, 0.0, 0.0);
-    REFUSES("touches wall 1", 1.05, 0.08, 0.1, 0.004, 0.0, 0.0); /* at the corner */
-    REFUSES("touches wall 2", -5.0, 2.0, 0.1, 0.004, 0.0, 0.0);  /* behind the line */
-    REFUSES("dt = 5e-05: too large", 0.5, 0.5, 0.1, 1e-7, 0.0, 0.0);
+#define REFUSES(status, text, ...) CHECK_FAILS(dem_add(sim, &(dem_grain){__VA_ARGS__}, &id), status, text)
+    REFUSES(RP_BAD_INPUT, "new particle: r = 0", 2.0, 2.0, 0.0, 0.004, 0.0, 0.0);
+    REFUSES(RP_BAD_INPUT, "m = -1", 2.0, 2.0, 0.1, -1.0, 0.0, 0.0);
+    REFUSES(RP_BAD_INPUT, "must be finite", 2.0, NAN, 0.1, 0.004, 0.0, 0.0);
+    REFUSES(RP_BAD_INPUT, "beyond y_min", 2.0, -0.6, 0.1, 0.004, 0.0, 0.0);
+    REFUSES(RP_NO_ROOM, "touches grain 1", 0.05, 0.1, 0.1, 0.004, 0.0, 0.0);
+    REFUSES(RP_NO_ROOM, "touches wall 1", 0.5, 0.09, 0.1, 0.004, 0.0, 0.0);
+    REFUSES(RP_NO_ROOM, "touches wall 1", 1.05, 0.08, 0.1, 0.004, 0.0, 0.0); /* at the corner */
+    REFUSES(RP_NO_ROOM, "touches wall 2", -5.0, 2.0, 0.1, 0.004, 0.0, 0.0);  /* behind the line */
+    REFUSES(RP_TOO_FAST, "dt = 5e-05: too large", 0.5, 0.5, 0.1, 1e-7, 0.0, 0.0);
 #undef REFUSES
     CHECK_OK(dem_run(sim, 500));
     CHECK_OK(dem_run(same, 500));

@@ -124,7 +124,7 @@ static void test_messages(void)
     for (int k = 0; k < 150; k++) strcat(wide, k ? "+grains" : "grains");
     CHECK_FAILS(rp_expression_read(&arena, wide, &outside, &e), RP_BAD_INPUT, "too many parts");
     CHECK_FAILS(rp_expression_read_as(&arena, "mu", RP_X_TRUTH, &outside, &e), RP_BAD_INPUT,
-                "is a number, a condition is expected");
+                "a number stands where a condition is expected");
 }
 
 static void test_states(void)

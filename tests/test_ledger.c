@@ -296,7 +296,7 @@ static void grains_put_in(void)
     CHECK_NEAR(l.put_in, put_in, CLOSES * put_in);
     CHECK_NEAR(l.residual, 0.0, CLOSES * l.turnover);
     CU_ASSERT(memcmp(&l, &same, sizeof l) == 0);
-    CHECK_FAILS(dem_add(sim, &(dem_grain){0.0, 0.05, 0.1, 0.003}, NULL), RP_BAD_INPUT, "touches");
+    CHECK_FAILS(dem_add(sim, &(dem_grain){0.0, 0.05, 0.1, 0.003}, NULL), RP_NO_ROOM, "touches");
 }
 
 /* Hard collisions, some together with soft contacts, in a rotating box; wells on a ground. */

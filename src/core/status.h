@@ -31,6 +31,9 @@ typedef enum {
 #define X(name, code, text) name = code,
     RP_STATUS_LIST(X)
 #undef X
+    /* bad input whose cause a caller may take for a result; a program that ends with one ends with 65 */
+    RP_NO_ROOM = 1 << 8 | RP_BAD_INPUT,  /* a body does not fit where it is put */
+    RP_TOO_FAST = 2 << 8 | RP_BAD_INPUT, /* a motion needs a smaller time step */
 } rp_status;
 
 /* Record a message and return `status`, so that a caller can write: return rp_fail(RP_BAD_INPUT, ...). */

@@ -267,9 +267,9 @@ rp_status dem_halt(dem_sim *sim);
 
 /* Put in one more grain, at rest or not, where it touches nothing; *id (may be NULL) is the next after the
  * last that was given. Forces and springs of the others stay as they are. The neighbour list is rebuilt;
- * capacity doubles when needed. Errors: RP_BAD_INPUT (a value; a fixed grain; it touches a grain or a wall; a
- * fall from its height onto a wall or on one like itself needs a smaller time step), RP_NO_MEMORY; then
- * nothing has changed. RP_BROKEN from the list. */
+ * capacity doubles when needed. Errors: RP_BAD_INPUT (a value; a fixed grain), RP_NO_ROOM (it touches a grain
+ * or a wall), RP_TOO_FAST (a fall from its height onto a wall or on one like itself needs a smaller time
+ * step), RP_NO_MEMORY; then nothing has changed. RP_BROKEN from the list. */
 rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id);
 
 /* Advance by `steps`, in which numbers below 2.2e-308, the smallest normal one, count as 0 on x86. Errors:

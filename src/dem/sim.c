@@ -186,12 +186,15 @@ static rp_status check_new_grain(const dem_sim *sim, const dem_grain *p)
     def.n_grains = 2;
     dem_limit_name what;
     double limit = dem_time_step_limit(&def, what);
-    if (def.dt > limit) return dem_refuse_step(&def, limit, what);
+    if (def.dt > limit) {
+        (void)dem_refuse_step(&def, limit, what);
+        return RP_TOO_FAST;
+    }
     for (size_t i = 0; i < sim->grains.n; i++) {
         dem_vec d = sim->grains.motion[i].x - (dem_vec){p->x, p->y};
         double radii = sim->grains.radius[i] + p->r;
         if (dem_dot(d, d) < radii * radii)
-            return rp_fail(RP_BAD_INPUT, "x = %g, y = %g: touches grain %u", p->x, p->y, sim->grains.id[i]);
+            return rp_fail(RP_NO_ROOM, "x = %g, y = %g: touches grain %u", p->x, p->y, sim->grains.id[i]);
     }
     return RP_OK;
 }
@@ -206,7 +209,7 @@ static rp_status check_new_walls(const dem_sim *sim, size_t i)
         dem_wall_slot slot = {.wall = k, .grain = (uint32_t)i, .side = behind && !line ? -1.0 : 1.0};
         dem_touch touch;
         if (dem_wall_touch(sim, &slot, &touch) && touch.overlap > 0.0)
-            return rp_fail(RP_BAD_INPUT, "x = %g, y = %g: touches wall %u", x[0], x[1], k + 1);
+            return rp_fail(RP_NO_ROOM, "x = %g, y = %g: touches wall %u", x[0], x[1], k + 1);
     }
     return RP_OK;
 }

@@ -43,7 +43,7 @@ void exp_go_back(exp_run *run, const exp_phase *p)
 static void renew(exp_run *run, const exp_phase *p, rp_status status, const char *word)
 {
     run->fresh = false;
-    if (status == RP_BAD_INPUT || status == RP_BROKEN)
+    if (status && status != RP_NO_MEMORY)
         exp_conclude(run, word, "phase %s: %s", p->name, rp_message());
     else
         run->failed = status;
@@ -159,7 +159,7 @@ static rp_status put_grain(exp_run *run, const exp_phase *p, dem_grain *g, uint3
         g->omega = exp_number(run, "add.omega", &a->omega);
         if (run->at.done || !isfinite(g->x) || !isfinite(g->y)) return RP_NO_RESULT;
         const rp_status status = dem_add(run->sim, g, id);
-        if (!a->in_range || status != RP_BAD_INPUT || !strstr(rp_message(), ": touches ")) return status;
+        if (!a->in_range || status != RP_NO_ROOM) return status;
     }
     return RP_NO_RESULT;
 }
@@ -177,7 +177,7 @@ static void add_grain(exp_run *run, const exp_phase *p)
     }
     if (status == RP_BROKEN) run->failed = status;
     if (run->failed) return;
-    renew(run, p, status, status && strstr(rp_message(), "too large for") ? "too_fast" : "no_room");
+    renew(run, p, status, status == RP_TOO_FAST ? "too_fast" : "no_room");
     if (run->failed || run->at.done || !exp_make_ids(run, id)) return;
     run->kinds[id - 1] = (int32_t)p->add.kind;
     run->marks[2 * (id - 1)] = run->marks[2 * (id - 1) + 1] = NAN;

@@ -200,8 +200,7 @@ rp_status exp_expression_read(const config_setting_t *setting, const char *key, 
         return e->x.text ? RP_OK : RP_NO_MEMORY;
     }
     if (rp_expression_read_as(&plan->arena, v.s, type, &place->names, &e->x))
-        return rp_config_fail(setting, "%s \"%s\"%s%s", key, v.s,
-                              strncmp(rp_message(), "is ", 3) ? ", " : " ", rp_message());
+        return rp_config_fail(setting, "%s \"%s\", %s", key, v.s, rp_message());
     if (e->x.known && isnan(e->x.value)) return rp_config_fail(setting, "%s \"%s\" is nan", key, v.s);
     e->state = plan->n_states;
     plan->n_states += e->x.n_states;

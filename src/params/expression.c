@@ -525,7 +525,7 @@ rp_status rp_expression_read_as(rp_arena *arena, const char *text, rp_x_type typ
 {
     RP_TRY(rp_expression_read(arena, text, names, e));
     if (e->type == type) return RP_OK;
-    return rp_fail(RP_BAD_INPUT, "is %s, %s is expected", rp_x_types[e->type], rp_x_types[type]);
+    return rp_fail(RP_BAD_INPUT, "%s stands where %s is expected", rp_x_types[e->type], rp_x_types[type]);
 }
 
 /* ---- what is in it ---- */

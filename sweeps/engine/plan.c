@@ -132,12 +132,16 @@ static rp_status open_experiment(const char *file, const head *h, sweep_plan *pl
     return RP_OK;
 }
 
-/* A parameter that fixed or grid names, of the physics though the text has no let of it. */
+const rp_param *sweep_plan_param(const sweep_plan *plan, const char *name)
+{
+    sweep_protocol_also(plan->protocol, name);
+    return rp_params_find(plan->protocol->schema, name);
+}
+
 static rp_status find_param(const sweep_plan *plan, const config_setting_t *setting, const rp_param **param)
 {
     const sweep_protocol *protocol = plan->protocol;
-    sweep_protocol_also(protocol, config_setting_name(setting));
-    *param = rp_params_find(protocol->schema, config_setting_name(setting));
+    *param = sweep_plan_param(plan, config_setting_name(setting));
     if (*param) return RP_OK;
     char more[64];
     snprintf(more, sizeof more, "; see repose params %s",

@@ -81,6 +81,10 @@ rp_status sweep_plan_check_point(const sweep_plan *plan, const char *file, size_
  * Errors: RP_BAD_INPUT. */
 rp_status sweep_plan_replicate(sweep_plan *plan, size_t replicas);
 
+/* A parameter that `fixed` and `grid` may name, of the physics though the text has no let of it; NULL: none.
+ */
+const rp_param *sweep_plan_param(const sweep_plan *plan, const char *name);
+
 /* Does the grid vary this parameter? */
 bool sweep_plan_is_axis(const sweep_plan *plan, const rp_param *param);
 

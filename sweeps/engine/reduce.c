@@ -259,6 +259,14 @@ rp_status sweep_columns(const char *file, const sweep_protocol *const *protocols
         &(table){.plan = &plan, .out = out, .what = what, .n_outputs = sweep_count_outputs(plan.protocol)});
 }
 
+rp_status sweep_has(const char *file, const sweep_protocol *const *protocols, const char *name, bool *has)
+{
+    RP_ENDS(sweep_plan_free) sweep_plan plan;
+    RP_TRY(sweep_plan_read(file, protocols, &plan));
+    *has = sweep_plan_param(&plan, name) != NULL;
+    return RP_OK;
+}
+
 rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, char digest[33],
                        size_t *n_rows)
 {

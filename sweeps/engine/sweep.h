@@ -130,12 +130,14 @@ rp_status sweep_source(const char *dir, char file[256]);
  * standard deviation, standard error, 95 % interval (Student's t) and number of the finite values of each
  * output, over the rows with a result. With SWEEP_PARAMETERS the parameters that all runs share are columns
  * too, "-" for an empty one. `command` is for the header and may be NULL; so may `counts`, of the rows that
- * the table is made of. sweep_columns: the header alone, before any run, of a sweep's file.
+ * the table is made of. sweep_columns: the header alone, before any run, of a sweep's file. sweep_has: may
+ * its `fixed` and `grid` name this parameter?
  * Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
 enum { SWEEP_RUNS = 0, SWEEP_POINTS = 1, SWEEP_PARAMETERS = 2 };
 rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, unsigned what,
                        const char *command, sweep_counts *counts, FILE *out);
 rp_status sweep_columns(const char *file, const sweep_protocol *const *protocols, unsigned what, FILE *out);
+rp_status sweep_has(const char *file, const sweep_protocol *const *protocols, const char *name, bool *has);
 
 /* XXH3-128 over parameters, streams, status and bits of the outputs of all rows in the order of the plan, as
  * 32 hexadecimal digits and NUL. Independent of workers, interruptions, times and host, and of the model
