@@ -24,6 +24,9 @@ for module in $(sed -n 's/^PAGE_OWN.*foreach m,\([a-z ]*\),.*/\1/p' src/page/pag
     awk '/:folder.o:/ { next } $2 == "U" { if ($3 ~ /^(rp|stats|an|dem|ang|stress|exp|cholmod)_/) used[$3] } NF == 3 && $2 != "U" { made[$3] }
         END { while ((getline name <"src/page/absent.txt") > 0) made[name]; for (name in used) if (!(name in made)) print name }' |
     grep . && echo "lint: a page lacks these: see PAGE_OWN in src/page/page.mk and src/page/absent.txt" && bad=1
+# What a law has is in its row of laws.h: elsewhere none is asked for by name.
+laws=$(sed -n '/^#define DEM_TANGENTIAL_LAWS/,/^$/s/^ *X(\(DEM_[A-Z_]*\),.*/\1/p; /^#define DEM_ROLLINGS/,/^$/s/^ *X(\(DEM_[A-Z_]*\),.*/\1/p' src/dem/law/laws.h)
+grep -rnE "(==|!=|case) *($(echo $laws | tr ' ' '|'))\b" src sweeps analytic report --exclude-dir=law && echo "lint: a law is asked for by name" && bad=1
 # What a call came to is its status: a message is for people.
 grep -rnE '\b(str|mem)[a-z]*\(rp_message' src sweeps analytic report && echo "lint: a message's text decides here" && bad=1
 # Names are no patterns, and no text is a command: the program has neither a shell nor patterns of names.

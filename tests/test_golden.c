@@ -286,7 +286,7 @@ static void check_tangential(const char *name, int law)
     dem_definition def = box_of(dem_has_friction((dem_tangential_law)law));
     def.tangential = (dem_tangential_law)law;
     if (!dem_has_friction(def.tangential)) def.material.mu = 0.0;
-    if (def.tangential == DEM_MINDLIN) mindlin(&def);
+    if (dem_is_of_radius(def.tangential)) mindlin(&def);
     check_box(name, &def);
 }
 
@@ -308,7 +308,7 @@ static void check_rolling(const char *name, int model)
 {
     dem_definition def = box_of(true);
     def.rolling = (dem_rolling)model;
-    if (def.rolling == DEM_ROLL_VISCOUS) def.material.mu_roll = 1e-3;
+    if (dem_rolls_by_speed(def.rolling)) def.material.mu_roll = 1e-3;
     check_box(name, &def);
 }
 

@@ -30,7 +30,7 @@ typedef struct {
 static void go(path *p, double x, double shear)
 {
     dem_slider c = dem_slider_of(DEM_TRUNCATED, DEM_DAMPING_INSIDE, p->k, 0.0, 1e300);
-    c = dem_law_mindlin(c, p->r, 1.0, x, p->x, &p->spring);
+    c = dem_law_at_overlap(c, p->r, 1.0, x, p->x, &p->spring);
     p->force = dem_law_shear(c, 1.0, shear, 1.0, 1.0, &p->spring), p->x = x;
 }
 
@@ -166,7 +166,7 @@ static void close_ledger(dem_rolling model)
     def.ledger = true;
     def.damping = DEM_DAMPING_INSIDE;
     def.material = (dem_material){
-        .k_n = k_n, .k_s = k_s, .mu = 0.4, .mu_roll = model == DEM_ROLL_VISCOUS ? 1e-3 : 0.1, .k_roll = k_s};
+        .k_n = k_n, .k_s = k_s, .mu = 0.4, .mu_roll = dem_rolls_by_speed(model) ? 1e-3 : 0.1, .k_roll = k_s};
     for (int w = 0; w < DEM_BOX_N; w++) def.walls[w].material = def.material;
     for (int i = 0; i < 60; i++) grains[i].omega = 20.0 * (i % 7 - 3.0);
     def.dt = 1e-6;
@@ -185,7 +185,7 @@ static void close_ledger(dem_rolling model)
 
 static void ledger_closes(void)
 {
-    for (int model = DEM_ROLL_SPRING; model <= DEM_ROLL_VISCOUS; model++) close_ledger((dem_rolling)model);
+    for (int model = 0; model < DEM_ROLLING_N; model++) close_ledger((dem_rolling)model);
 }
 
 /* A sphere rolls on a floor: the constant model takes mu g/(1 + I/(m r^2)) of its speed a second, then holds

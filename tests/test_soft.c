@@ -264,11 +264,12 @@ static void misprints(void)
 static void misprints_of_slip(void)
 {
     const double m = 0.7, gamma = 5.0, k_slip = gamma * m, mu_roll = 0.2, F_n = 5.0, cap = mu_roll * F_n;
+    const dem_slider c = dem_slider_of(DEM_TRUNCATED, DEM_DAMPING_OUTSIDE, 1.0, gamma, mu_roll);
     for (int k = -4; k <= 4; k++) {
         const double v = 0.26 * k, printed = fmin(-k_slip * v, -cap);
-        CHECK_NEAR(dem_law_slip_roll(gamma, mu_roll, m, v, F_n), -fmax(fmin(k_slip * v, cap), -cap), 1e-15);
-        CHECK_NEAR(dem_law_slip_roll(gamma, mu_roll, m, v, -F_n), 0.0, 0.0); /* no friction where it pulls */
-        if (k <= 0) CU_ASSERT(printed * v >= 0.0 && printed < 0.0); /* along the slip, or without any */
+        CHECK_NEAR(dem_law_slip(c, m, v, F_n, 0.0, NULL), -fmax(fmin(k_slip * v, cap), -cap), 1e-15);
+        CHECK_NEAR(dem_law_slip(c, m, v, -F_n, 0.0, NULL), 0.0, 0.0); /* no friction where it pulls */
+        if (k <= 0) CU_ASSERT(printed * v >= 0.0 && printed < 0.0);   /* along the slip, or without any */
         if (k == 4) CU_ASSERT(fabs(printed) > 3.0 * cap);
     }
 }

@@ -138,10 +138,10 @@ typedef struct {
     bool rotation;   /* else the grains only translate, and no mu_roll may be above 0; of some methods */
     dem_shape shape; /* gives the moments of inertia */
     dem_material material;
-    dem_ground ground;            /* not with the tangential law DEM_SPRING */
+    dem_ground ground;            /* not with a tangential law that has a spring */
     dem_hard hard;                /* of some methods; without tension */
     dem_implicit_solver implicit; /* DEM_IMPLICIT needs whole lines at rest as walls; no rotation;
-                                     not the tangential law DEM_SPRING */
+                                     no tangential law that has a spring */
     double x_min, x_max, y_min;   /* in the box's frame: a grain beyond is taken out; infinite for none */
     double turn_per_step; /* gravity turns by this angle a step, radians; positive lowers the side at +x */
     double box_turn_per_step; /* the same for the walls, about the origin; gravity then keeps its direction */

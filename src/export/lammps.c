@@ -48,7 +48,7 @@ static rp_status check_material(const dem_definition *def, const dem_material *m
             RP_BAD_INPUT,
             "%snormal.gamma_n = %g, given or by restitution: LAMMPS' damping tsuji goes up to 1.2728", of,
             m->gamma_n);
-    if (slides && m->gamma_s > 0.0 && tsuji(def, m) != (def->tangential == DEM_MINDLIN))
+    if (slides && m->gamma_s > 0.0 && tsuji(def, m) != dem_is_of_radius(def->tangential))
         return rp_fail(
             RP_BAD_INPUT,
             "%stangential.gamma_s = %g: LAMMPS damps shear as the normal direction, which the laws "
@@ -197,9 +197,8 @@ static double tsuji_restitution(double gamma_n)
 static void write_law(const dem_definition *def, const dem_material *m, double r_eff, FILE *out)
 {
     const dem_normal_descriptor *law = normal_law(def);
-    const bool mindlin = def->tangential == DEM_MINDLIN;
     const double part = m->gamma_n > 0.0 ? m->gamma_s / m->gamma_n : 0.0,
-                 damping = mindlin ? part * sqrt(m->k_s / m->k_n) : part;
+                 damping = dem_is_of_radius(def->tangential) ? part * sqrt(m->k_s / m->k_n) : part;
     fprintf(out, "%s %s %s tangential %s", law->lammps,
             RP_SHORT(law->lammps_by_radius ? m->k_n / sqrt(r_eff) : m->k_n),
             RP_SHORT(tsuji(def, m) ? tsuji_restitution(m->gamma_n) : m->gamma_n),
@@ -215,7 +214,6 @@ static void write_law(const dem_definition *def, const dem_material *m, double r
 
 static void write_about(const lammps_scene *s, const char *scene, FILE *out)
 {
-    const bool spring = dem_has_spring(s->def.tangential), slides = dem_has_friction(s->def.tangential);
     fprintf(out, "# %s for LAMMPS, written by repose export. Run it in this folder: lmp -in FILE\n#\n",
             scene);
     fprintf(out, "# Laws that coincide with those of `repose run`, up to %s:\n",
@@ -234,16 +232,11 @@ static void write_about(const lammps_scene *s, const char *scene, FILE *out)
               "has gamma_n, not the restitution of impacts\n",
               out);
     fprintf(out, "# shear force: %s\n# walls: the same with R_eff = r and m_eff = m, whole planes at rest\n",
-            s->def.tangential == DEM_MINDLIN ? "spring k_s sqrt(R_eff x) and dashpot, together limited by mu "
-                                               "F_n; the force is rescaled on unloading"
-            : spring
-                ? "spring k_s and dashpot gamma_s m_eff, together limited by mu F_n, the spring truncated"
-            : slides ? "viscous slip gamma_s m_eff v_s limited by mu F_n, no spring"
-                     : "none");
+            dem_tangential_descriptors[s->def.tangential].in_lammps);
     fprintf(
         out,
         "# integrator: velocity Verlet; forces that depend on velocity take that of half a step before\n");
-    if (spring)
+    if (dem_has_spring(s->def.tangential))
         fputs("# start: of contacts whose dashpot alone exceeds mu F_n, LAMMPS leaves the shear force out of "
               "the first half step\n"
               "# dashpot alone above mu F_n (first touch of a fast slip): LAMMPS draws the spring the other "

@@ -59,7 +59,7 @@ static setting start_from(dem_tangential_law law)
 static void make_room(setting *s)
 {
     s->physics.rotation = s->physics.rotation && dem_schemes[s->physics.integrator]->rotation;
-    if (s->physics.rolling == DEM_ROLL_VISCOUS) s->physics.mu_roll = 1e-3; /* over a speed */
+    if (dem_rolls_by_speed(s->physics.rolling)) s->physics.mu_roll = 1e-3; /* over a speed */
     if (!s->physics.rotation) s->physics.mu_roll = 0.0;
     if (s->hard.on) s->physics.tension = false;
     /* of other laws the search for gamma_n would take longer than all runs */

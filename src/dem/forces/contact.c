@@ -85,10 +85,10 @@ dem_contact dem_law_forces(const dem_sim *sim, const dem_relative *r, double h)
     dem_contact c = {.overlap = r->overlap, .shear_spring = r->spring, .rolling_spring = r->roll};
     c.normal_force =
         dem_law_normal(def->normal, def->tension, k_n, r->c->gamma_n, r->m_eff, r->overlap, r->v_n);
-    if (def->tangential == DEM_MINDLIN) { /* a pair has h = 0 here */
+    if (dem_is_of_radius(def->tangential)) { /* a pair has h = 0 here */
         const double before = r->overlap + r->v_n * h;
-        shear = dem_law_mindlin(shear, r->r_eff, r->m_eff, r->overlap, before, &c.shear_spring);
-        rolls = dem_law_mindlin(rolls, r->r_eff, r->m_eff, r->overlap, before, &c.rolling_spring);
+        shear = dem_law_at_overlap(shear, r->r_eff, r->m_eff, r->overlap, before, &c.shear_spring);
+        rolls = dem_law_at_overlap(rolls, r->r_eff, r->m_eff, r->overlap, before, &c.rolling_spring);
     }
     c.k_s = shear.k, c.k_roll = rolls.k;
     c.shear_force =

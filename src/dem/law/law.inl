@@ -212,10 +212,11 @@ LAW dem_slider dem_slider_of(dem_slip slip, dem_damping damping, double k, doubl
     return (dem_slider){num_of(k), num_of(1.0 / k), num_of(gamma), num_of(mu), slip, damping};
 }
 
-/* Mindlin's spring at this overlap: stiffness k sqrt(R_eff x), and a dashpot by gamma of the critical rate.
- * *spring is shortened where the contact has grown since it was at `before`, so that its force stays: the
- * energy F^2/(2 k) falls then; while the contact shrinks the spring stays, and k s^2/2 falls. */
-LAW dem_slider dem_law_mindlin(dem_slider c, num r_eff, num m_eff, num overlap, num before, num *spring)
+/* Of a law whose coefficients are of the contact's radius, as Mindlin's, the spring at this overlap:
+ * stiffness k sqrt(R_eff x), and a dashpot by gamma of the critical rate. *spring is shortened where the
+ * contact has grown since it was at `before`, so that its force stays: the energy F^2/(2 k) falls then; while
+ * the contact shrinks the spring stays, and k s^2/2 falls. */
+LAW dem_slider dem_law_at_overlap(dem_slider c, num r_eff, num m_eff, num overlap, num before, num *spring)
 {
     const num zero = {0}, k = c.k * num_sqrt(r_eff * overlap), was = num_max(before, zero);
     *spring = num_choose(num_less(was, overlap), *spring * num_sqrt(was / overlap), *spring);
@@ -264,22 +265,28 @@ LAW num dem_law_shear(dem_slider c, num m_eff, num v_s, num normal_force, double
 /* Viscous slip capped by friction: Liffman, Chan & Hughes 1992, eqs (27), (29), (32), with the sign of v_s
  * and the magnitude that their minimum needs, and k_slip = gamma_s m_eff. Their "rolling" friction is
  * Coulomb's limit of the slip, mu here: it does not resist rolling. */
-LAW num dem_law_slip_roll(num gamma_s, num mu, num m_eff, num v_s, num normal_force)
+LAW num dem_law_slip(dem_slider c, num m_eff, num v_s, num normal_force, double h, num *spring)
 {
     const num zero = {0};
     lanes slides;
-    return -num_limit(gamma_s * m_eff * v_s, mu * num_max(normal_force, zero), &slides);
+    (void)h, (void)spring;
+    return -num_limit(c.gamma * m_eff * v_s, c.mu * num_max(normal_force, zero), &slides);
+}
+
+LAW num dem_law_no(dem_slider c, num m_eff, num v_s, num normal_force, double h, num *spring)
+{
+    (void)c, (void)m_eff, (void)v_s, (void)normal_force, (void)h, (void)spring;
+    return (num){0};
 }
 
 LAW num dem_law_tangential(dem_tangential_law law, dem_slider c, num m_eff, num v_s, num normal_force,
                            double h, num *spring)
 {
-    const num zero = {0};
     switch (law) {
-    case DEM_NONE: return zero;
-    case DEM_MINDLIN:
-    case DEM_SPRING: return dem_law_shear(c, m_eff, v_s, normal_force, h, spring);
-    case DEM_SLIP_ROLL: return dem_law_slip_roll(c.gamma, c.mu, m_eff, v_s, normal_force);
+#define X(id, word, manual, friction, has_spring, of_radius, force, ...)                                     \
+    case id: return dem_law_##force(c, m_eff, v_s, normal_force, h, spring);
+        DEM_TANGENTIAL_LAWS(X)
+#undef X
     }
     __builtin_unreachable();
 }
@@ -288,25 +295,42 @@ LAW num dem_law_tangential(dem_tangential_law law, dem_slider c, num m_eff, num 
  * wall: r_i) from both centres, against the speed v = R_eff (omega_i - omega_j). Of a spring and a slider as
  * for shear, at most mu_roll max(F_n, 0), dashpot included, *xi the rolling displacement; or that limit; or
  * mu_roll F_n v. The torque of R_eff times it on i, and its opposite on j, conserve angular momentum. An arm
- * of `arm` R_eff is R_eff with that times the limit, and its square times what multiplies xi and v: of
- * Mindlin's dashpot the root of the stiffness has one of the two. */
+ * of `arm` R_eff is R_eff with that times the limit, and its square times what multiplies xi and v: of a
+ * dashpot by the critical rate the root of the stiffness has one of the two. */
 LAW dem_slider dem_rolls_of(dem_rolling model, dem_tangential_law law, double arm, const dem_material *c)
 {
     const double square = arm * arm;
     return dem_slider_of(DEM_TRUNCATED, DEM_DAMPING_INSIDE, square * c->k_roll,
-                         (law == DEM_MINDLIN ? arm : square) * c->gamma_roll,
-                         (model == DEM_ROLL_VISCOUS ? square : arm) * c->mu_roll);
+                         (dem_is_of_radius(law) ? arm : square) * c->gamma_roll,
+                         (dem_rolls_by_speed(model) ? square : arm) * c->mu_roll);
+}
+
+LAW num spring_rolls(dem_slider c, num m_eff, num v, num normal_force, double h, num *xi)
+{
+    return dem_law_shear(c, m_eff, v, normal_force, h, xi);
+}
+
+LAW num constant_rolls(dem_slider c, num m_eff, num v, num normal_force, double h, num *xi)
+{
+    lanes slides;
+    (void)m_eff, (void)h, (void)xi;
+    return -num_limit(v * 1e300, c.mu * num_max(normal_force, (num){0}), &slides);
+}
+
+LAW num viscous_rolls(dem_slider c, num m_eff, num v, num normal_force, double h, num *xi)
+{
+    (void)m_eff, (void)h, (void)xi;
+    return -(c.mu * num_max(normal_force, (num){0}) * v);
 }
 
 LAW num dem_law_rolling(dem_rolling model, dem_slider c, num m_eff, num v, num normal_force, double h,
                         num *xi)
 {
-    const num cap = c.mu * num_max(normal_force, (num){0});
-    lanes slides;
     switch (model) {
-    case DEM_ROLL_SPRING: return dem_law_shear(c, m_eff, v, normal_force, h, xi);
-    case DEM_ROLL_CONSTANT: return -num_limit(v * 1e300, cap, &slides);
-    case DEM_ROLL_VISCOUS: return -(cap * v);
+#define X(id, word, ...)                                                                                     \
+    case id: return word##_rolls(c, m_eff, v, normal_force, h, xi);
+        DEM_ROLLINGS(X)
+#undef X
     }
     __builtin_unreachable();
 }
@@ -320,3 +344,11 @@ typedef struct {
     double k_n, gamma_n;
     dem_slider shear, rolls;
 } dem_laws;
+
+/* The choices that most scenes make, beside the slip DEM_TRUNCATED: loops have instances of these, where the
+ * compiler knows them. tangential; tension; the normal laws, as a condition of `law`; damping. */
+#define DEM_COMMON_LAWS(X)                                                                                   \
+    X(DEM_SPRING, true, true, DEM_DAMPING_OUTSIDE)                                                           \
+    X(DEM_SPRING, law.tension, true, DEM_DAMPING_INSIDE)                                                     \
+    X(DEM_MINDLIN, false, law.normal == DEM_ELASTIC, DEM_DAMPING_INSIDE)
+#define DEM_COMMON_ROLLING DEM_ROLL_SPRING

@@ -21,7 +21,7 @@ const dem_normal_descriptor dem_normal_descriptors[DEM_NORMAL_N] = {
 };
 
 const dem_tangential_descriptor dem_tangential_descriptors[DEM_TANGENTIAL_N] = {
-#define X(id, word, text, friction, spring, in_lammps) [id] = {#word, in_lammps},
+#define X(id, word, text, friction, spring, of_radius, force, ...) [id] = {.name = #word, __VA_ARGS__},
     DEM_TANGENTIAL_LAWS(X)
 #undef X
 };

@@ -35,24 +35,30 @@ RP_C_BEGIN
       hertz, tsuji, by_radius, "dyn/cm^2", "1", .damping_ratio = tsuji_damping_ratio, .lammps = "hertz",     \
       .lammps_damping = "tsuji")
 
-/* Tangential laws. id; word; manual; has friction; has a spring; its name in LAMMPS, NULL where that has no
- * such law. */
+/* Tangential laws. id; word; manual; has friction; has a spring; whether its coefficients, and those of
+ * rolling, are of the contact's radius, see dem_law_at_overlap; the name of its force in law.inl; members of
+ * dem_tangential_descriptor but the name. */
 #define DEM_TANGENTIAL_LAWS(X)                                                                               \
-    X(DEM_NONE, none, "no force along the contact", false, false, "linear_nohistory")                        \
+    X(DEM_NONE, none, "no force along the contact", false, false, false, no, .lammps = "linear_nohistory",   \
+      .in_lammps = "none")                                                                                   \
     X(DEM_SPRING, spring,                                                                                    \
       "a spring k_s of the displacement s since first touch, and a dashpot: F_s = -gamma_s m_eff v_s - "     \
       "sign(s) min(k_s |s|, mu max(F_n, 0)) (Lee & Herrmann 1993, eq (2b))",                                 \
-      true, true, "linear_history")                                                                          \
+      true, true, false, shear, .lammps = "linear_history",                                                  \
+      .in_lammps = "spring k_s and dashpot gamma_s m_eff, together limited by mu F_n, the spring truncated") \
     X(DEM_MINDLIN, mindlin,                                                                                  \
       "spring, with the stiffness k_s sqrt(R x) of the contact's radius and the damping rate gamma_s "       \
       "sqrt(stiffness/m_eff); while the contact grows its force stays, so that no energy is gained: k_s = "  \
       "8 G* "                                                                                                \
       "of `material` (Mindlin & Deresiewicz 1953; Thornton, Cummins & Cleary 2013)",                         \
-      true, true, "mindlin_rescale/force")                                                                   \
+      true, true, true, shear, .lammps = "mindlin_rescale/force",                                            \
+      .in_lammps = "spring k_s sqrt(R_eff x) and dashpot, together limited by mu F_n; the force is "         \
+                   "rescaled on unloading")                                                                  \
     X(DEM_SLIP_ROLL, slip_roll,                                                                              \
       "viscous slip, without a spring: F_s = -sign(v_s) min(gamma_s m_eff |v_s|, mu max(F_n, 0)) (Liffman, " \
       "Chan & Hughes 1992, eqs (27) to (32))",                                                               \
-      true, false, "linear_nohistory")
+      true, false, false, slip, .lammps = "linear_nohistory",                                                \
+      .in_lammps = "viscous slip gamma_s m_eff v_s limited by mu F_n, no spring")
 
 /* What a shear spring remembers while it slides; whether the shear dashpot stands outside the limit mu F_n.
  */
@@ -66,14 +72,15 @@ RP_C_BEGIN
       "slides")                                                                                              \
     X(DEM_DAMPING_INSIDE, inside, "spring and dashpot together obey the limit mu F_n")
 
-/* Models of rolling resistance, named as by Ai, Chen, Rotter & Ooi 2011. */
+/* Models of rolling resistance, named as by Ai, Chen, Rotter & Ooi 2011. id; word, which is the name of its
+ * force in law.inl; manual; has a spring; whether its limit mu F_n is over a speed. */
 #define DEM_ROLLINGS(X)                                                                                      \
     X(DEM_ROLL_SPRING, spring,                                                                               \
-      "a spring and a dashpot of the rolling displacement, under the limit mu F_n: model C")                 \
+      "a spring and a dashpot of the rolling displacement, under the limit mu F_n: model C", true, false)    \
     X(DEM_ROLL_CONSTANT, constant,                                                                           \
-      "the limit mu F_n against any rolling, however slow, which then trembles: model A")                    \
+      "the limit mu F_n against any rolling, however slow, which then trembles: model A", false, false)      \
     X(DEM_ROLL_VISCOUS, viscous,                                                                             \
-      "mu F_n v of the rolling speed v, mu in s/cm or s/m; holds nothing at rest: model B")
+      "mu F_n v of the rolling speed v, mu in s/cm or s/m; holds nothing at rest: model B", false, true)
 
 /* Arm of the rolling resistance between grains; at a wall it is the grain's radius. */
 #define DEM_ARMS(X)                                                                                          \
@@ -89,18 +96,20 @@ typedef enum { DEM_DAMPINGS(DEM_ID) } dem_damping;
 enum { DEM_NORMAL_N = DEM_NORMAL_LAWS(DEM_ONE), DEM_TANGENTIAL_N = DEM_TANGENTIAL_LAWS(DEM_ONE) };
 enum { DEM_ROLLING_N = DEM_ROLLINGS(DEM_ONE) };
 
-#define DEM_LAW_FRICTION(id, word, manual, friction, ...)       | (unsigned)friction << id
-#define DEM_LAW_SPRING(id, word, manual, friction, spring, ...) | (unsigned)spring << id
-
-static inline bool dem_has_friction(dem_tangential_law law)
-{
-    return (0u DEM_TANGENTIAL_LAWS(DEM_LAW_FRICTION)) >> law & 1;
-}
-
-static inline bool dem_has_spring(dem_tangential_law law)
-{
-    return (0u DEM_TANGENTIAL_LAWS(DEM_LAW_SPRING)) >> law & 1;
-}
+/* A truth of each row, in a bit of its own: known to the compiler where the law is. */
+#define DEM_FIRST_BIT(id, word, manual, first, ...)                | (unsigned)first << id
+#define DEM_SECOND_BIT(id, word, manual, first, ...)               | (unsigned)DEM_FIRST(__VA_ARGS__, ) << id
+#define DEM_THIRD_BIT(id, word, manual, first, second, third, ...) | (unsigned)third << id
+#define DEM_ROW_IS(name, type, LIST, BIT)                                                                    \
+    static inline bool name(type law)                                                                        \
+    {                                                                                                        \
+        return (0u LIST(BIT)) >> law & 1;                                                                    \
+    }
+DEM_ROW_IS(dem_has_friction, dem_tangential_law, DEM_TANGENTIAL_LAWS, DEM_FIRST_BIT)
+DEM_ROW_IS(dem_has_spring, dem_tangential_law, DEM_TANGENTIAL_LAWS, DEM_SECOND_BIT)
+DEM_ROW_IS(dem_is_of_radius, dem_tangential_law, DEM_TANGENTIAL_LAWS, DEM_THIRD_BIT)
+DEM_ROW_IS(dem_rolls_by_spring, dem_rolling, DEM_ROLLINGS, DEM_FIRST_BIT)
+DEM_ROW_IS(dem_rolls_by_speed, dem_rolling, DEM_ROLLINGS, DEM_SECOND_BIT)
 
 /* Units of a coefficient, "; hertz: dyn/cm^1.5; linear: dyn/cm". */
 #define DEM_LAW_K_N(id, word, manual, spring, dashpot, scale, k_n, ...) "; " #word ": " k_n
@@ -137,13 +146,16 @@ typedef struct {
 extern const dem_normal_descriptor dem_normal_descriptors[DEM_NORMAL_N];
 
 typedef struct {
-    const char *name, *lammps;
+    const char *name;
+    const char *lammps;    /* as of a normal law */
+    const char *in_lammps; /* what it is there, for its inputs */
 } dem_tangential_descriptor;
 extern const dem_tangential_descriptor dem_tangential_descriptors[DEM_TANGENTIAL_N];
 
-/* k_n of the law elastic, 4/3 E*, and k_s of mindlin, 8 G*, where bodies of two materials touch: Young's
+/* The laws of elastic bodies; their k_n, 4/3 E*, and k_s, 8 G*, where bodies of two materials touch: Young's
  * moduli E and Poisson's ratios nu; 1/E* is the sum of (1 - nu^2)/E, 1/G* of 2 (1 + nu) (2 - nu)/E (Johnson
  * 1985). */
+enum { DEM_BODIES_NORMAL = DEM_ELASTIC, DEM_BODIES_TANGENTIAL = DEM_MINDLIN };
 void dem_elastic_contact(const double E[2], const double nu[2], double *k_n, double *k_s);
 
 /* Restitution of a law with a damping ratio, which may be above 1: of an impact from first touch to where the

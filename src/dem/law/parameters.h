@@ -74,7 +74,7 @@
     X(MATERIAL, RP_REAL, k_s, DEM_KEY("k_s"), DEM_UNIT("dyn/cm"), DEM_DEFAULT("1e4"), DEM_RANGE("(0, inf)"), DEM_ALSO(""), \
       DEM_AUTOMATIC(m->k_s), DEM_WALL(1.0), DEM_MEANING("shear stiffness; mindlin: dyn/cm^2")) \
     X(MATERIAL, RP_REAL, gamma_s, DEM_KEY("gamma_s"), DEM_UNIT("1/s"), DEM_DEFAULT("auto"), DEM_RANGE("[0, inf)"), \
-      DEM_ALSO(" | auto"), DEM_AUTOMATIC(def->tangential == DEM_MINDLIN ? (rate ? 0.0 : sqrt(2.0 / 3.0) * m->gamma_n) : rate ? m->gamma_n / 100.0 : -1.0), \
+      DEM_ALSO(" | auto"), DEM_AUTOMATIC(dem_is_of_radius(def->tangential) ? (rate ? 0.0 : sqrt(2.0 / 3.0) * m->gamma_n) : rate ? m->gamma_n / 100.0 : -1.0), \
       DEM_WALL(1.0), DEM_MEANING("shear damping; mindlin: over sqrt(stiffness/m_eff); auto: gamma_n/100 where that is in 1/s; mindlin: " \
                                  "sqrt(2/3) gamma_n, the same part of critical, or 0 beside a gamma_n in 1/s")) \
     DEM_MU_PARAM(X, "0.0") \

@@ -113,12 +113,12 @@ INLINE forces forces_of(const work *w, size_t k, const geometry *g)
 #endif
     dem_slider shear = law->shear, rolls = law->rolls;
     num xi = w->with.rolling ? num_load(pairs->roll + k) : zero;
-    if (law->tangential == DEM_MINDLIN) { /* a step back, along straight lines */
+    if (dem_is_of_radius(law->tangential)) { /* a step back, along straight lines */
         const num radii = num_load(pairs->radii + k), r = radii - g->overlap, h = num_of(w->h),
                   back = r * r - 2.0 * h * r * v_n + h * h * (g->vx * g->vx + g->vy * g->vy),
                   before = radii - num_sqrt(back);
-        shear = dem_law_mindlin(shear, r_eff, m_eff, g->overlap, before, &ds);
-        if (w->with.rolling) rolls = dem_law_mindlin(rolls, r_eff, m_eff, g->overlap, before, &xi);
+        shear = dem_law_at_overlap(shear, r_eff, m_eff, g->overlap, before, &ds);
+        if (w->with.rolling) rolls = dem_law_at_overlap(rolls, r_eff, m_eff, g->overlap, before, &xi);
     }
     const num f_s = dem_law_tangential(law->tangential, shear, m_eff, v_s, f_n, w->h, &ds);
     if (has_spring) num_store(pairs->spring + k, num_choose(g->touch, ds, zero));
@@ -235,8 +235,8 @@ INLINE void run_of_motion(dem_sim *sim, size_t from, size_t to, double h, dem_la
         pair_loop(sim, from, to, h, (features){law, false, false, false});
     else if (!sim->pairs.rolling)
         pair_loop(sim, from, to, h, (features){law, true, false, false});
-    else if (law.rolling == DEM_ROLL_SPRING) {
-        law.rolling = DEM_ROLL_SPRING; /* known to the compiler */
+    else if (law.rolling == DEM_COMMON_ROLLING) {
+        law.rolling = DEM_COMMON_ROLLING; /* known to the compiler */
         pair_loop(sim, from, to, h, (features){law, true, true, false});
     } else
         pair_loop(sim, from, to, h, (features){law, true, true, false});
@@ -245,18 +245,14 @@ INLINE void run_of_motion(dem_sim *sim, size_t from, size_t to, double h, dem_la
 /* The compiler knows the choices of the laws that most scenes make. */
 INLINE void run_of_law(dem_sim *sim, size_t from, size_t to, double h, dem_laws law)
 {
-    const bool truncated = law.shear.slip == DEM_TRUNCATED,
-               spring = law.tangential == DEM_SPRING && truncated,
-               mindlin = law.tangential == DEM_MINDLIN && truncated && law.normal == DEM_ELASTIC,
-               inside = law.shear.damping == DEM_DAMPING_INSIDE;
-    if (spring && law.tension && !inside)
-        run_of_motion(sim, from, to, h, spring_laws(law, DEM_SPRING, true, DEM_DAMPING_OUTSIDE));
-    else if (spring && inside)
-        run_of_motion(sim, from, to, h, spring_laws(law, DEM_SPRING, law.tension, DEM_DAMPING_INSIDE));
-    else if (mindlin && !law.tension && inside)
-        run_of_motion(sim, from, to, h, spring_laws(law, DEM_MINDLIN, false, DEM_DAMPING_INSIDE));
+#define X(along, pulls, normals, damps)                                                                      \
+    if (law.tangential == along && law.shear.slip == DEM_TRUNCATED && law.tension == (pulls) && (normals) && \
+        law.shear.damping == damps)                                                                          \
+        run_of_motion(sim, from, to, h, spring_laws(law, along, pulls, damps));                              \
     else
-        run_of_motion(sim, from, to, h, law);
+    DEM_COMMON_LAWS(X)
+#undef X
+    run_of_motion(sim, from, to, h, law);
 }
 
 static void pairs(dem_sim *sim, size_t from, size_t to, double h)
@@ -309,10 +305,10 @@ INLINE slot_forces slot_forces_of(const dem_sim *sim, const dem_laws *law, const
     num v_s = vx * ny - vy * nx;
     if (sim->grains.omega) v_s += arm * omega;
     dem_slider shear = law->shear, rolls = law->rolls;
-    if (law->tangential == DEM_MINDLIN) {
+    if (dem_is_of_radius(law->tangential)) {
         const num before = overlap + v_n * h;
-        shear = dem_law_mindlin(shear, radius, mass, overlap, before, &b.spring);
-        rolls = dem_law_mindlin(rolls, radius, mass, overlap, before, &b.roll);
+        shear = dem_law_at_overlap(shear, radius, mass, overlap, before, &b.spring);
+        rolls = dem_law_at_overlap(rolls, radius, mass, overlap, before, &b.roll);
     }
     const num f_s = dem_law_tangential(law->tangential, shear, mass, v_s, f_n, h, &b.spring);
     b.fx += ny * f_s;

@@ -94,18 +94,15 @@ static dem_parts split_force(const dem_sim *sim, const dem_relative *r)
         .n = r->n, .s = r->s, .elastic = dem_law_elastic(def->normal, dem_k_n_of(sim, r), r->overlap)};
     p.damping = f_n - p.elastic;
     double pull = law.k_s * r->spring;
-    switch (def->tangential) {
-    case DEM_NONE: break;
-    case DEM_MINDLIN:
-    case DEM_SPRING:
+    if (dem_has_spring(def->tangential)) {
         if (def->slip == DEM_TOTAL && fabs(pull) > cap) pull = copysign(cap, pull);
         p.dashpot = pull + f_s;
         /* inside the limit it acts as far as the limit goes; a spring beyond it is the slider's affair */
         if (def->damping == DEM_DAMPING_INSIDE && fabs(p.dashpot) > cap)
             p.dashpot = copysign(cap, p.dashpot), pull = p.dashpot - f_s;
         p.spring = -pull;
-        break;
-    case DEM_SLIP_ROLL: *(f_s == -(c->gamma_s * r->m_eff * r->v_s) ? &p.dashpot : &p.slip) = f_s; break;
+    } else if (dem_has_friction(def->tangential)) {
+        *(f_s == -(c->gamma_s * r->m_eff * r->v_s) ? &p.dashpot : &p.slip) = f_s;
     }
     if (sim->pairs.rolling) {
         p.roll_spring = -law.k_roll * r->roll;

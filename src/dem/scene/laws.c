@@ -9,8 +9,7 @@ static rp_status read_material(const config_setting_t *material, dem_scene *scen
     dem_physics *p = &scene->laws.physics;
     RP_TRY(rp_config_group(material, SCHEMA(MATERIAL), scene, NULL));
     const double E[2] = {scene->E, scene->E}, nu[2] = {scene->nu, scene->nu};
-    p->normal = DEM_ELASTIC, p->tension = false;
-    p->tangential = DEM_MINDLIN;
+    p->normal = DEM_BODIES_NORMAL, p->tangential = DEM_BODIES_TANGENTIAL, p->tension = false;
     dem_elastic_contact(E, nu, &p->k_n, &p->k_s);
     return RP_OK;
 }

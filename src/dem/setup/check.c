@@ -264,10 +264,11 @@ rp_status dem_material_check(const dem_definition *def, const dem_material *m)
     const char *law = dem_normal_descriptors[def->normal].name;
     if (m->gamma_n < 0.0 && !(m->restitution > 0.0))
         return rp_fail(RP_BAD_INPUT, "gamma_n: has no default for the law %s; give it or restitution", law);
-    if (def->tangential == DEM_MINDLIN && dem_schemes[def->integrator]->excess)
-        return rp_fail(RP_BAD_INPUT, "the tangential law mindlin needs the integrator verlet");
+    if (dem_is_of_radius(def->tangential) && dem_schemes[def->integrator]->excess)
+        return rp_fail(RP_BAD_INPUT, "the tangential law %s needs the integrator verlet",
+                       dem_tangential_descriptors[def->tangential].name);
     if (m->gamma_s < 0.0 && dem_has_friction(def->tangential) && !dem_damps_by_rate(def) &&
-        !(def->tangential == DEM_MINDLIN && m->restitution > 0.0))
+        !(dem_is_of_radius(def->tangential) && m->restitution > 0.0))
         return rp_fail(
             RP_BAD_INPUT,
             "gamma_s: has no default for the law %s, whose gamma_n is a number; give a rate, in %s", law,

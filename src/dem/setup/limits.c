@@ -104,12 +104,12 @@ static contact_laws laws_at(const dem_definition *def, const dem_material *c, co
     double unused = 0.0;
     dem_slider slider = dem_slider_of(def->slip, def->damping, c->k_s, c->gamma_s, 0.0),
                roll = dem_rolls_of(def->rolling, def->tangential, dem_arm_of(def, c), c);
-    if (def->tangential == DEM_MINDLIN) {
-        slider = dem_law_mindlin(slider, of.r_eff, of.m_eff, overlap, overlap, &unused);
-        roll = dem_law_mindlin(roll, of.r_eff, of.m_eff, overlap, overlap, &unused);
+    if (dem_is_of_radius(def->tangential)) {
+        slider = dem_law_at_overlap(slider, of.r_eff, of.m_eff, overlap, overlap, &unused);
+        roll = dem_law_at_overlap(roll, of.r_eff, of.m_eff, overlap, overlap, &unused);
     }
-    if (def->rolling != DEM_ROLL_SPRING) roll.k = roll.gamma = 0.0;
-    if (def->rolling == DEM_ROLL_VISCOUS) /* of the spring's force at this overlap */
+    if (!dem_rolls_by_spring(def->rolling)) roll.k = roll.gamma = 0.0;
+    if (dem_rolls_by_speed(def->rolling)) /* of the spring's force at this overlap */
         roll.gamma = roll.mu * dem_law_elastic(def->normal, scaled, overlap) / of.m_eff;
     const bool shear = dem_has_friction(def->tangential), spring = dem_has_spring(def->tangential),
                rolls = shear && c->mu_roll > 0.0;
