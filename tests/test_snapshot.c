@@ -737,5 +737,5 @@ static void stopped_row(void)
 
 CHECK_SUITE_WITHIN(snapshot, "snapshot", enter, leave, every_law_integrator_and_feature, large_pile,
                    damaged_files, foreign_files, impossible_states, unknown_words, full_disk, killed_runs,
-                   stopped_runs, refused_resumes, no_snapshot, protocol_repose, protocol_stress, protocol_onset,
-                   protocol_drop, synced, sweep_rows, stopped_sweep, stopped_row)
+                   stopped_runs, refused_resumes, no_snapshot, protocol_repose, protocol_stress,
+                   protocol_onset, protocol_drop, synced, sweep_rows, stopped_sweep, stopped_row)
