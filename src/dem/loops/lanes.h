@@ -42,108 +42,108 @@ typedef __mmask8 lanes;
 #define LANES_BITS(l)           l
 #endif
 
-static inline num num_load(const double *from)
+INLINE num num_load(const double *from)
 {
     return *(const num_unaligned *)from;
 }
 
-static inline void num_store(double *to, num a)
+INLINE void num_store(double *to, num a)
 {
     *(num_unaligned *)to = a;
 }
 
-static inline plane plane_load(const dem_vec *from)
+INLINE plane plane_load(const dem_vec *from)
 {
     return *(const plane_unaligned *)from;
 }
 
-static inline void plane_store(dem_vec *to, plane a)
+INLINE void plane_store(dem_vec *to, plane a)
 {
     *(plane_unaligned *)to = a;
 }
 
 #if WIDTH == 1
 /* from[stride index[]] */
-static inline num num_gather(const double *from, const uint32_t *index, int stride)
+INLINE num num_gather(const double *from, const uint32_t *index, int stride)
 {
     return from[(size_t)stride * *index];
 }
 
-static inline lanes num_at_most(num a, num b)
+INLINE lanes num_at_most(num a, num b)
 {
     return a <= b;
 }
 
-static inline unsigned lanes_bits(lanes l)
+INLINE unsigned lanes_bits(lanes l)
 {
     return l;
 }
 
 /* Positions and velocities of grains i[] relative to grains j[]. */
-static inline void num_difference(const dem_motion *grain, const uint32_t *i, const uint32_t *j, num *x,
-                                  num *y, num *vx, num *vy)
+INLINE void num_difference(const dem_motion *grain, const uint32_t *i, const uint32_t *j, num *x, num *y,
+                           num *vx, num *vy)
 {
     const dem_vec d = grain[*i].x - grain[*j].x, v = grain[*i].v - grain[*j].v;
     *x = d[0], *y = d[1], *vx = v[0], *vy = v[1];
 }
 
 /* The first numbers of WIDTH vectors; their second numbers. */
-static inline num num_firsts(const plane a[PLANES])
+INLINE num num_firsts(const plane a[PLANES])
 {
     return a[0][0];
 }
 
-static inline num num_seconds(const plane a[PLANES])
+INLINE num num_seconds(const plane a[PLANES])
 {
     return a[0][1];
 }
 
 /* The vectors (x, y). */
-static inline void store_vectors(dem_vec to[WIDTH], num x, num y)
+INLINE void store_vectors(dem_vec to[WIDTH], num x, num y)
 {
     to[0] = (dem_vec){x, y};
 }
 
 /* Forces and torques (x, y, torque). What becomes of `spare` does not matter. */
-static inline void store_force_torques(dem_force_torque to[WIDTH], num x, num y, num torque)
+INLINE void store_force_torques(dem_force_torque to[WIDTH], num x, num y, num torque)
 {
     dem_vec *half = (dem_vec *)to; /* in the pieces that are read again */
     half[0] = (dem_vec){x, y}, half[1] = (dem_vec){torque, 0.0};
 }
 
 /* A number of each of GRAINS grains, which acts on both numbers of its vector; reads WIDTH. */
-static inline num num_load_each(const double *from)
+INLINE num num_load_each(const double *from)
 {
     return *from;
 }
 
 /* Such numbers: squares of lengths. */
-static inline num squares_of(plane a)
+INLINE num squares_of(plane a)
 {
     return dem_dot(a, a);
 }
 
 /* GRAINS records of two vectors. */
-static inline void plane_load_records(const void *from, plane *x, plane *v)
+INLINE void plane_load_records(const void *from, plane *x, plane *v)
 {
     const dem_vec *record = from;
     *x = record[0], *v = record[1];
 }
 
-static inline void plane_store_records(void *to, plane x, plane v)
+INLINE void plane_store_records(void *to, plane x, plane v)
 {
     dem_vec *record = to;
     record[0] = x, record[1] = v;
 }
 
 /* Is any number of a less than its fellow in b? */
-static inline bool plane_any_less(plane a, plane b)
+INLINE bool plane_any_less(plane a, plane b)
 {
     return (a[0] < b[0]) | (a[1] < b[1]);
 }
 
 /* Which of WIDTH indices are this one. */
-static inline unsigned index_equals(const uint32_t *index, uint32_t one)
+INLINE unsigned index_equals(const uint32_t *index, uint32_t one)
 {
     return *index == one;
 }
@@ -152,7 +152,7 @@ static inline unsigned index_equals(const uint32_t *index, uint32_t one)
 #define NUM_ODD (NUM_INDEX & 1)
 
 #ifdef __clang__ /* has no shuffle by a vector of indices; these loops become one */
-static inline num num_shuffle(num a, num b, __typeof__(NUM_INDEX) from)
+INLINE num num_shuffle(num a, num b, __typeof__(NUM_INDEX) from)
 {
     num result;
     for (int i = 0; i < WIDTH; i++) result[i] = from[i] < WIDTH ? a[from[i]] : b[from[i] - WIDTH];
@@ -162,102 +162,102 @@ static inline num num_shuffle(num a, num b, __typeof__(NUM_INDEX) from)
 #define num_shuffle __builtin_shuffle
 #endif
 
-static inline num num_of(double a)
+INLINE num num_of(double a)
 {
     return a - (num){0};
 }
 
-static inline num num_sqrt(num a)
+INLINE num num_sqrt(num a)
 {
     return NUM_PD(sqrt)(a);
 }
 
 /* a where a > b, else b */
-static inline num num_max(num a, num b)
+INLINE num num_max(num a, num b)
 {
     return NUM_PD(max)(a, b);
 }
 
 /* The first numbers of the vectors of a, each followed by that of b; the second numbers; the even vectors of
  * a, then of b; the odd vectors. */
-static inline num num_zip_firsts(num a, num b)
+INLINE num num_zip_firsts(num a, num b)
 {
     return num_shuffle(a, b, NUM_INDEX - NUM_ODD + NUM_ODD * WIDTH);
 }
 
-static inline num num_zip_seconds(num a, num b)
+INLINE num num_zip_seconds(num a, num b)
 {
     return num_shuffle(a, b, NUM_INDEX - NUM_ODD + NUM_ODD * WIDTH + 1);
 }
 
-static inline num num_evens(num a, num b)
+INLINE num num_evens(num a, num b)
 {
     return num_shuffle(a, b, 2 * NUM_INDEX - NUM_ODD);
 }
 
-static inline num num_odds(num a, num b)
+INLINE num num_odds(num a, num b)
 {
     return num_shuffle(a, b, 2 * NUM_INDEX - NUM_ODD + 2);
 }
 
-static inline num num_firsts(const plane a[PLANES])
+INLINE num num_firsts(const plane a[PLANES])
 {
     return num_shuffle(a[0], a[1], 2 * NUM_INDEX);
 }
 
-static inline num num_seconds(const plane a[PLANES])
+INLINE num num_seconds(const plane a[PLANES])
 {
     return num_shuffle(a[0], a[1], 2 * NUM_INDEX + 1);
 }
 
-static inline num num_load_each(const double *from)
+INLINE num num_load_each(const double *from)
 {
     const num a = num_load(from);
     return num_shuffle(a, a, NUM_INDEX / 2);
 }
 
-static inline void plane_load_records(const void *from, plane *x, plane *v)
+INLINE void plane_load_records(const void *from, plane *x, plane *v)
 {
     const num a = num_load(from), b = num_load((const double *)from + WIDTH);
     *x = num_evens(a, b);
     *v = num_odds(a, b);
 }
 
-static inline void plane_store_records(void *to, plane x, plane v)
+INLINE void plane_store_records(void *to, plane x, plane v)
 {
     const __typeof__(NUM_INDEX) low = NUM_INDEX / 2 % 2 * WIDTH + NUM_INDEX / 4 * 2 + NUM_ODD;
     num_store(to, num_shuffle(x, v, low));
     num_store((double *)to + WIDTH, num_shuffle(x, v, low + WIDTH / 2));
 }
 
-static inline void store_vectors(dem_vec to[WIDTH], num x, num y)
+INLINE void store_vectors(dem_vec to[WIDTH], num x, num y)
 {
     const __typeof__(NUM_INDEX) low = NUM_INDEX / 2 + NUM_ODD * WIDTH;
     num_store((double *)to, num_shuffle(x, y, low));
     num_store((double *)(to + WIDTH / 2), num_shuffle(x, y, low + WIDTH / 2));
 }
 
-static inline lanes num_less(num a, num b)
+INLINE lanes num_less(num a, num b)
 {
     return NUM_COMPARE(a, b, _CMP_LT_OQ);
 }
 
-static inline lanes num_at_most(num a, num b)
+INLINE lanes num_at_most(num a, num b)
 {
     return NUM_COMPARE(a, b, _CMP_LE_OQ);
 }
 
-static inline unsigned lanes_bits(lanes l)
+INLINE unsigned lanes_bits(lanes l)
 {
     return LANES_BITS(l);
 }
 
-static inline num num_choose(lanes l, num yes, num no)
+INLINE num num_choose(lanes l, num yes, num no)
 {
     return NUM_CHOOSE(l, yes, no);
 }
 
-static inline num num_gather(const double *from, const uint32_t *index, int stride)
+INLINE num num_gather(const double *from, const uint32_t *index, int stride)
 {
     typedef int indices __attribute__((vector_size(4 * WIDTH), aligned(4), may_alias));
     return NUM_GATHER(from, *(const indices *)index * stride);
@@ -266,24 +266,24 @@ static inline num num_gather(const double *from, const uint32_t *index, int stri
 #if WIDTH == 8
 /* a, or what has its sign and the magnitude `most` where that is less; which these are. Of NaN some become
  * `most`. */
-static inline num num_limit(num a, num most, lanes *less)
+INLINE num num_limit(num a, num most, lanes *less)
 {
     const num limited = _mm512_range_pd(a, most, 2);
     *less = _mm512_cmp_pd_mask(limited, a, _CMP_NEQ_UQ);
     return limited;
 }
 
-static inline unsigned index_equals(const uint32_t *index, uint32_t one)
+INLINE unsigned index_equals(const uint32_t *index, uint32_t one)
 {
     return _mm256_cmpeq_epi32_mask(_mm256_loadu_si256((const __m256i *)index), _mm256_set1_epi32((int)one));
 }
 
-static inline plane plane_of(dem_vec a)
+INLINE plane plane_of(dem_vec a)
 {
     return _mm512_broadcast_f64x2(a);
 }
 
-static inline void store_force_torques(dem_force_torque to[WIDTH], num x, num y, num torque)
+INLINE void store_force_torques(dem_force_torque to[WIDTH], num x, num y, num torque)
 {
     for (int p = 0; p < 8; p += 2) {
         const __m512i xy = _mm512_setr_epi64(p, p + 8, p, p, p + 1, p + 9, p, p),
@@ -294,32 +294,32 @@ static inline void store_force_torques(dem_force_torque to[WIDTH], num x, num y,
 }
 
 /* Record i[0], followed by record i[2]. */
-static inline num num_load_record(const dem_motion *grain, const uint32_t *i)
+INLINE num num_load_record(const dem_motion *grain, const uint32_t *i)
 {
     return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd((const double *)&grain[i[0]])),
                               _mm256_load_pd((const double *)&grain[i[2]]), 1);
 }
 
 #else
-static inline num num_limit(num a, num most, lanes *less)
+INLINE num num_limit(num a, num most, lanes *less)
 {
     const num mask = _mm256_set1_pd(-0.0);
     *less = num_less(most, _mm256_andnot_pd(mask, a));
     return num_choose(*less, _mm256_or_pd(_mm256_and_pd(mask, a), most), a);
 }
 
-static inline unsigned index_equals(const uint32_t *index, uint32_t one)
+INLINE unsigned index_equals(const uint32_t *index, uint32_t one)
 {
     const __m128i same = _mm_cmpeq_epi32(_mm_loadu_si128((const __m128i *)index), _mm_set1_epi32((int)one));
     return (unsigned)_mm_movemask_ps(_mm_castsi128_ps(same));
 }
 
-static inline plane plane_of(dem_vec a)
+INLINE plane plane_of(dem_vec a)
 {
     return _mm256_set_m128d(a, a);
 }
 
-static inline void store_force_torques(dem_force_torque to[WIDTH], num x, num y, num torque)
+INLINE void store_force_torques(dem_force_torque to[WIDTH], num x, num y, num torque)
 {
     const num even = num_zip_firsts(x, y), odd = num_zip_seconds(x, y),
               t_even = num_zip_firsts(torque, torque), t_odd = num_zip_seconds(torque, torque);
@@ -329,14 +329,14 @@ static inline void store_force_torques(dem_force_torque to[WIDTH], num x, num y,
     num_store((double *)(to + 3), num_odds(odd, t_odd));
 }
 
-static inline num num_load_record(const dem_motion *grain, const uint32_t *i)
+INLINE num num_load_record(const dem_motion *grain, const uint32_t *i)
 {
     return _mm256_load_pd((const double *)&grain[i[0]]);
 }
 #endif
 
-static inline void num_difference(const dem_motion *grain, const uint32_t *i, const uint32_t *j, num *x,
-                                  num *y, num *vx, num *vy)
+INLINE void num_difference(const dem_motion *grain, const uint32_t *i, const uint32_t *j, num *x, num *y,
+                           num *vx, num *vy)
 {
     num d[4];
     for (int a = 0; a < 4; a++) {
@@ -351,12 +351,12 @@ static inline void num_difference(const dem_motion *grain, const uint32_t *i, co
     *vy = num_odds(hi[0], hi[1]);
 }
 
-static inline bool plane_any_less(plane a, plane b)
+INLINE bool plane_any_less(plane a, plane b)
 {
     return lanes_bits(num_less(a, b));
 }
 
-static inline num squares_of(plane a)
+INLINE num squares_of(plane a)
 {
     a *= a;
     return a + num_shuffle(a, a, NUM_INDEX ^ 1);
@@ -367,12 +367,12 @@ static inline num squares_of(plane a)
 #endif /* WIDTH == 1 */
 
 /* Is any number of a above its fellow in `most`? NaN is. */
-static inline bool num_any_above(num a, num most)
+INLINE bool num_any_above(num a, num most)
 {
     return lanes_bits(num_at_most(a, most)) != (1u << WIDTH) - 1;
 }
 
-static inline double num_largest(num a)
+INLINE double num_largest(num a)
 {
     double all[WIDTH];
     num_store(all, a);
@@ -382,7 +382,7 @@ static inline double num_largest(num a)
 }
 
 /* Append `first` + the index of each bit that is set; writes WIDTH numbers whatever their count. */
-static inline size_t append_bits(uint32_t *list, size_t n, unsigned bits, size_t first)
+INLINE size_t append_bits(uint32_t *list, size_t n, unsigned bits, size_t first)
 {
 #if WIDTH == 8
     const __m256i index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);

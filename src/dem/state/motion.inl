@@ -1,8 +1,6 @@
 /* The equation of motion, of as many grains as a `plane` holds vectors and a `num` holds numbers. Every
  * method and every loop takes it from here: a new term is a line of dem_free_acceleration, and what it needs
  * a member of dem_equation. */
-#define INLINE static inline __attribute__((always_inline))
-
 /* What the equation takes from a simulation. A loop reads it once. */
 typedef struct {
     double dt;
