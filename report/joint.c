@@ -86,7 +86,7 @@ static rp_status print_joint(cli_call *call, const void *values)
     }
     RP_TRY(rp_group_rows(arena, p.table, *choices ? choices : "none", '\t', &groups));
     rp_table_header(
-        stdout,
+        stdout, call->units,
         rp_text(arena, "%s%s [word], chi2, p_value, shift [own], shift_se [own], left, n_least, n_failed",
                 columns, o->either));
     for (size_t g = 0; g < groups.n_groups; g++) {

@@ -26,6 +26,7 @@ typedef struct {
     rp_arena *arena; /* of the whole command */
     const cli_program *program;
     const char *line;    /* the command line, for provenance */
+    rp_units units;      /* of what it reads, and of its table */
     const char *lineage; /* further header lines of its table; may be NULL */
     const struct cli_command *command;
     rp_param *options; /* of the command, with names as they are typed */
@@ -178,8 +179,8 @@ rp_status cli_sweep_export(const cli_call *call, const char *dir, unsigned what,
 
 /* The row of one run on standard output, and before it the columns: those of parameters (NULL: without), of
  * results, and its status. */
-void cli_result_row(const rp_param *schema, const void *parameters, const sweep_output *outputs,
-                    const sweep_result *result);
+void cli_result_row(const cli_call *call, const rp_param *schema, const void *parameters,
+                    const sweep_output *outputs, const sweep_result *result);
 
 /* How many runs are planned, stored and missing, and how many have which status. */
 void cli_print_counts(const sweep_counts *counts);

@@ -84,6 +84,7 @@ static rp_status act(cli_call *call, rp_table *table)
         RP_TRY(read_tables(call, &table));
         cli_sources(call, table);
     }
+    call->units = rp_table_units(table);
     for (size_t i = 0; where && i < where->n; i++) RP_TRY(rp_table_where(table, where->items[i]));
     return command->on_table(call, table, call->values);
 }

@@ -154,7 +154,7 @@ void cli_options_of(cli_call *call, const cli_command *command)
             to->name = name;
             to->offset += at[k];
         }
-    rp_params_defaults(call->options, call->values);
+    rp_params_defaults(call->options, RP_CGS, call->values);
 }
 
 /* ---- the command line ---- */
@@ -258,7 +258,7 @@ rp_status cli_parse(cli_call *call, const cli_command *command, int argc, char *
         if (p->type == RP_TEXT && !*optarg && (!p->fallback || !*p->fallback)) /* as of -o "$unset" */
             return rp_fail(RP_USAGE, "%s%s: empty; leave it out, or give a value", cli_dashes(p), p->name);
         call->given[p - call->options] = true;
-        status = rp_params_set_text(p, call->values, p->type == RP_BOOL ? "true" : optarg);
+        status = rp_params_set_text(p, RP_CGS, call->values, p->type == RP_BOOL ? "true" : optarg);
         rp_prefix(status, "%s", cli_dashes(p));
     }
     call->n_arguments = argc - optind;

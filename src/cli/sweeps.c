@@ -16,8 +16,8 @@ rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, swee
     return status;
 }
 
-void cli_result_row(const rp_param *schema, const void *parameters, const sweep_output *outputs,
-                    const sweep_result *result)
+void cli_result_row(const cli_call *call, const rp_param *schema, const void *parameters,
+                    const sweep_output *outputs, const sweep_result *result)
 {
     const char *columns[40 + SWEEP_MAX_OUTPUTS + 1][2];
     char text[64];
@@ -26,7 +26,7 @@ void cli_result_row(const rp_param *schema, const void *parameters, const sweep_
     for (const sweep_output *p = outputs; p->name; p++, n++, n_outputs++)
         columns[n][0] = p->name, columns[n][1] = p->unit;
     columns[n][0] = "status", columns[n][1] = "";
-    rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
+    rp_table_columns(stdout, call->units, n + 1, (const char *const(*)[2])columns);
     for (const rp_param *p = schema; p && p->name; p++)
         printf("%s\t", *rp_params_text(p, parameters, text, sizeof text) ? text : "nan");
     rp_table_row_word(stdout, n_outputs, result->values, result->status);
@@ -40,7 +40,7 @@ void cli_print_counts(const sweep_counts *counts)
     if (*counts->skipped) rp_table_note(stdout, "left out, no stores yet", "%s", counts->skipped);
     if (sweep_count_aborted(counts) > 0)
         rp_table_note(stdout, "aborted", "%zu, to be tried again", sweep_count_aborted(counts));
-    rp_table_columns(stdout, 2, (const char *const[][2]){{"status", ""}, {"runs", ""}});
+    rp_table_columns(stdout, RP_CGS, 2, (const char *const[][2]){{"status", ""}, {"runs", ""}});
     for (size_t i = 0; i < counts->words.n; i++)
         printf("%s\t%.0f\n", counts->words.of[i].word, counts->words.of[i].times);
 }

@@ -9,8 +9,7 @@
 
 RP_C_BEGIN
 
-/* As rp_table_parse, or for a text NULL as rp_table_read; the table is freed with the arena. And a table that
- * is read, whose system of units becomes that which holds. */
+/* As rp_table_parse, or for a text NULL as rp_table_read; the table is freed with the arena. */
 rp_status rp_table_keep(rp_arena *arena, const char *path, char *text, rp_table **table);
 rp_status rp_table_load(rp_arena *arena, const char *path, rp_table **table);
 

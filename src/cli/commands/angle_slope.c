@@ -151,7 +151,7 @@ static rp_status slope_of_table(cli_call *call, rp_table *table, const void *val
     if (status && status != RP_NO_RESULT) return status;
     cli_table(call, stdout);
     if (box) rp_table_note_number(stdout, "cell", cell, origin);
-    rp_table_header(stdout,
+    rp_table_header(stdout, call->units,
                     "method, slope, theta_deg [deg], theta_se_deg [deg], n_cells, n_occupied, status");
     if (status) {
         const bool sparse = box && pile.n_flank[0] >= ANG_MIN_OCCUPIED;

@@ -128,7 +128,7 @@ static rp_status read_measured(problem *s, const config_setting_t *setting, size
     const char *fixed = "";
     if (!config_setting_is_group(setting))
         return rp_config_fail(setting, "measured: a list ( { ... } ) expected");
-    rp_params_defaults(schema, m);
+    rp_params_defaults(schema, RP_CGS, m);
     RP_TRY(rp_config_group(setting, schema, m, "fixed"));
     if ((*m->experiment != 0) + (*m->protocol != 0) + (*m->runs != 0) != 1)
         return rp_config_fail(setting, "measured: one of experiment, protocol and runs expected");
@@ -183,7 +183,7 @@ static rp_status read_file(problem *s)
     RP_TRY(rp_config_read(s->path, &s->config));
     const config_setting_t *root = config_root_setting(&s->config), *list = member(root, "measured"),
                            *where = member(root, "where");
-    rp_params_defaults(schema, s);
+    rp_params_defaults(schema, RP_CGS, s);
     for (const char *const *key = of_measured; *key; key++)
         if (member(root, *key))
             return rp_config_fail(member(root, *key), "%s: belongs to an entry of measured", *key);
@@ -625,7 +625,7 @@ static void print_answer(const problem *s, const stats_answer *a)
     rp_table_note(stdout, "left out", "%zu of %zu points are found again by the others", a->recovered,
                   a->tried);
     rp_table_note(stdout, "holds for", "the experiments that ran, and no other model");
-    rp_table_header(stdout, "parameter, value, se, lower, upper, status");
+    rp_table_header(stdout, s->call->units, "parameter, value, se, lower, upper, status");
     for (size_t p = 0; p < s->quest.n_names; p++) {
         const size_t n = a->n_intervals[p];
         for (size_t k = 0; k == 0 || k < n; k++) {
@@ -668,7 +668,7 @@ static rp_status plan_alone(const problem *s)
     cli_provenance(s->call, stdout);
     rp_table_note(stdout, "first stage", "%zu points, %zu runs; at most %zu in all", points, runs,
                   s->quest.budget);
-    rp_table_header(stdout, "number, group, value, error");
+    rp_table_header(stdout, s->call->units, "number, group, value, error");
     for (size_t k = 0; k < s->quest.n_numbers; k++) {
         printf("%s\t", s->number[k].of);
         CLI_ROW((double)s->quest.group[k] + 1.0, s->quest.value[k], s->quest.error[k]);

@@ -19,7 +19,7 @@ static void print_planned(const cli_call *call, const char *dir, const sweep_cou
     }
     cli_provenance(call, stdout);
     rp_table_note(stdout, "folder", "%s", dir);
-    rp_table_header(stdout, "runs, points, replicas, stored");
+    rp_table_header(stdout, call->units, "runs, points, replicas, stored");
     CLI_ROW((double)counts->planned, (double)counts->points, (double)counts->replicas,
             (double)counts->stored);
 }
@@ -168,7 +168,7 @@ static rp_status act_digest(cli_call *call, const void *values)
     if (!cli_given(call, "json")) return printf("%s\t%zu\n", text, rows), RP_OK;
     cli_provenance(call, stdout);
     rp_table_note(stdout, "digest", "%s", text); /* a note is a text, even of digits alone */
-    rp_table_header(stdout, "runs");
+    rp_table_header(stdout, call->units, "runs");
     CLI_ROW((double)rows);
     return RP_OK;
 }
