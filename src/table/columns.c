@@ -209,7 +209,7 @@ void rp_column_unit(const rp_table *table, int column, char unit[32])
     snprintf(unit, 32, "%.*s", length ? length : 1, length ? units : "1");
 }
 
-rp_status rp_header_by(const rp_table *table, const char *by, const char *own)
+rp_status rp_header_by(const rp_table *table, const char *by, const char *own, FILE *out)
 {
     char text[4096], name[12], unit[32];
     int columns[MOST_BY];
@@ -221,7 +221,7 @@ rp_status rp_header_by(const rp_table *table, const char *by, const char *own)
                                  rp_column_name(table, columns[i], name), unit);
     }
     snprintf(text + used, sizeof text - used, "%s", own);
-    rp_table_header(stdout, rp_table_units(table), text);
+    rp_table_header(out, rp_table_units(table), text);
     return RP_OK;
 }
 

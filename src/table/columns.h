@@ -101,7 +101,7 @@ void rp_column_unit(const rp_table *table, int column, char unit[32]);
 
 /* The header of a table whose first columns are those of the list `by` ("none": none), with their units,
  * before its own. Errors: RP_BAD_INPUT. */
-rp_status rp_header_by(const rp_table *table, const char *by, const char *own);
+rp_status rp_header_by(const rp_table *table, const char *by, const char *own, FILE *out);
 
 RP_C_END
 

@@ -186,7 +186,7 @@ static void write_row(const cli_call *call, const bench_options *o, double rates
     const double inner = times->contacts + times->integration;
     gsl_sort(rates, 1, (size_t)o->repeat);
     const double n = (double)o->n, grains = (double)last->grains, median = rates[o->repeat / 2];
-    rp_table_header(stdout, call->units,
+    rp_table_header(call->out, call->units,
                     "grains, steps, best [1e6/s], median [1e6/s], bound [1e6/s], seconds [s], contacts "
                     "[1/grain], pairs [1/grain], rebuilds, share_contacts, share_lists, share_integration, "
                     "share_walls, bytes [B/grain], peak_bytes [B/grain]");
@@ -225,10 +225,10 @@ static rp_status measure(cli_call *call, const void *values)
     }
     if (o->repeat > 1) RP_TRY(run_once(call, o, from, &times, &timed));
     cli_tell_threads(sim, "bench", o->j);
-    cli_table(call, stdout);
-    rp_table_note(stdout, "pair_loop", "%s", dem_kernel_name(sim));
-    rp_table_note(stdout, "dt", "%.17g s", dt);
-    if (sample) rp_table_note(stdout, "theta_r", "%.17g degrees", run.slope.theta_r.theta / deg);
+    cli_table(call, call->out);
+    rp_table_note(call->out, "pair_loop", "%s", dem_kernel_name(sim));
+    rp_table_note(call->out, "dt", "%.17g s", dt);
+    if (sample) rp_table_note(call->out, "theta_r", "%.17g degrees", run.slope.theta_r.theta / deg);
     write_row(call, o, rates, &run, &times, memory, rp_clock() - begun);
     return RP_OK;
 }

@@ -140,7 +140,7 @@ static void begin_tables(scene_run *r)
     for (int k = STATES + 1; k < CLI_GROWING && *r->o->o; k++)
         dem_write_columns((dem_table)k, r->sim, table_of(r, k));
     if (!*r->o->o && r->exp) return; /* standard output holds the measures */
-    if (!*r->o->o) r->result.table[STATES] = stdout, cli_provenance(&r->of.call, stdout);
+    if (!*r->o->o) r->result.table[STATES] = r->of.call.out, cli_provenance(&r->of.call, r->of.call.out);
     dem_write_notes(r->sim, table_of(r, STATES));
     dem_write_columns(DEM_TABLE_STATES, r->sim, table_of(r, STATES));
 }
@@ -356,7 +356,7 @@ static rp_status write_results(const scene_run *r)
 {
     const char *path, *name;
     FILE *table;
-    write_measures(r, stdout);
+    write_measures(r, r->of.call.out);
     if (!*r->o->o) return RP_OK;
     RP_TRY(open_result(r, "measures.tsv", &path, &table));
     write_measures(r, table);
@@ -415,9 +415,9 @@ static rp_status finish_scene(scene_run *r, rp_status status)
     if (*directory)
         status = cli_result_end(&r->result, status);
     else if (status && table_of(r, STATES))
-        rp_table_note(stdout, "unfinished", "%s", rp_message());
+        rp_table_note(r->of.call.out, "unfinished", "%s", rp_message());
     else if (!status)
-        status = rp_file_finish(stdout, "standard output");
+        status = rp_file_finish(r->of.call.out, "standard output");
     if (!status && r->exp) return close_phases(r);
     if (!status && !r->o->quiet) cli_close_run(r->of.call.arena, r->sim, &r->rest, directory);
     return status;
@@ -455,8 +455,8 @@ static rp_status run_row(const cli_call *call, const char *path, const run_optio
         sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, call->arena, &made, &result);
     RP_TRY(cli_result_end(&folder, status));
     of.call.units = made->units;
-    cli_provenance(&of.call, stdout);
-    rp_table_note(stdout, "run_time", "%.3g s", rp_clock() - started);
+    cli_provenance(&of.call, call->out);
+    rp_table_note(call->out, "run_time", "%.3g s", rp_clock() - started);
     cli_result_row(&of.call, NULL, NULL, made->outputs, &result);
     if (!rp_is_result(result.status))
         return rp_fail(RP_NO_RESULT, "%s%s%s", result.status, *result.message ? ": " : "", result.message);

@@ -24,7 +24,7 @@ static void print_compare_header(const cli_call *call)
                            parts[k], form);
         text = rp_text(call->arena, "%s, gain_relative_%s, gain_relative_%s_se", text, form, form);
     }
-    rp_table_header(stdout, call->units, rp_text(call->arena, "%s, " RP_FAILED_COLUMNS ", status", text));
+    rp_table_header(call->out, call->units, rp_text(call->arena, "%s, " RP_FAILED_COLUMNS ", status", text));
 }
 
 static void print_comparison(const cli_call *call, double mu, const ang_comparison *c, const char *failed)
@@ -54,7 +54,7 @@ static void print_comparison(const cli_call *call, double mu, const ang_comparis
         *next++ = c->form[f].gain_relative.se;
         if (worst == ANG_TILT_OK) worst = c->form[f].status;
     }
-    rp_table_row_word(stdout, N_OF(v), v, rp_text(call->arena, "%s\t%s", failed, ang_tilt_words[worst]));
+    rp_table_row_word(call->out, N_OF(v), v, rp_text(call->arena, "%s\t%s", failed, ang_tilt_words[worst]));
 }
 
 static rp_status compare_table(cli_call *call, rp_table *table, const void *values)
@@ -72,8 +72,8 @@ static rp_status compare_table(cli_call *call, rp_table *table, const void *valu
         piles.column[1][i] *= deg, piles.column[2][i] *= deg;
     }
     gsl_rng *rng = rp_random_in(call->arena, (unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
-    cli_table(call, stdout);
-    rp_table_note(stdout, "rows", "%zu used, %zu left out", piles.n, table->n_rows - piles.n);
+    cli_table(call, call->out);
+    rp_table_note(call->out, "rows", "%zu used, %zu left out", piles.n, table->n_rows - piles.n);
     print_compare_header(call);
     for (size_t g = 0; g < piles.n_groups; g++) {
         const size_t first = piles.first[g];

@@ -38,7 +38,7 @@ static rp_status print_fit(const cli_call *call, const stats_xy *points, bool lo
     const int n_lines = logarithms ? 1 : 2; /* the line through the origin would be that through (1, 1) */
     stats_line lines[2];
     for (int i = 0; i < n_lines; i++) RP_TRY(stats_line_fit(points, i == 1, &lines[i]));
-    rp_table_header(stdout, call->units,
+    rp_table_header(call->out, call->units,
                     "slope [y/x], slope_se [y/x], intercept [y], intercept_se [y], covariance [y^2/x], chi2, "
                     "dof, p_value, n, x_from [x], x_to [x], residual [y], " RP_FAILED_COLUMNS ", line");
     for (int i = 0; i < n_lines; i++) {
@@ -71,8 +71,8 @@ static rp_status fit_table(cli_call *call, rp_table *table, const void *values)
     double *x = rows.column[0], *y = rows.column[1];
     double range[2];
     const char *failed = rp_failed_text(call->arena, table, NULL, 0, o->x, choice.range);
-    cli_table(call, stdout);
-    rp_table_note(stdout, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", rows.n,
+    cli_table(call, call->out);
+    rp_table_note(call->out, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", rows.n,
                   rows.n_nan, rows.n_outside);
     gsl_stats_minmax(&range[0], &range[1], x, 1, rows.n);
     if (logarithms) RP_TRY(check_positive(table, &rows, 0, o->x, true));

@@ -131,8 +131,8 @@ static rp_status read_piles(cli_call *call, double width, const double *cell, co
             if (!call->given[p - call->options]) rp_params_default(p, call->units, call->values);
         RP_TRY(check_size(&(*piles)[i], cli_argument(call, (int)i), width, *cell));
     }
-    cli_table(call, stdout);
-    rp_table_note(stdout, "piles", "%zu", *n);
+    cli_table(call, call->out);
+    rp_table_note(call->out, "piles", "%zu", *n);
     return RP_OK;
 }
 
@@ -150,8 +150,8 @@ static rp_status print_field(cli_call *call, const void *values)
     const size_t cells = g.nx * g.ny;
     stress_tensor *mean = rp_arena_memory(call->arena, cells, sizeof *mean);
     RP_TRY(stress_mean_cells(n, piles, &g, mean));
-    if (g.y0 != 0.0) rp_table_note_number(stdout, "ground", g.y0, "cm");
-    rp_table_header(stdout, call->units,
+    if (g.y0 != 0.0) rp_table_note_number(call->out, "ground", g.y0, "cm");
+    rp_table_header(call->out, call->units,
                     "x/W, y/W, sxx [dyn/cm], sxy [dyn/cm], syx [dyn/cm], syy [dyn/cm], p [dyn/cm], shear "
                     "[dyn/cm], couple [dyn/cm], direction [rad], mobilised_deg [deg]");
     for (size_t k = 0; k < cells; k++) {
@@ -221,8 +221,8 @@ static rp_status print_base(cli_call *call, const void *values)
     const size_t cells = stress_floor_cells(n, piles, o->width, o->cell, &size);
     stress_floor *floor = rp_arena_memory(call->arena, cells, sizeof *floor);
     RP_TRY(stress_floor_forces(n, piles, size, o->g, cells, floor));
-    rp_table_note_number(stdout, "theta_r_deg", theta / deg, "");
-    rp_table_header(stdout, call->units,
+    rp_table_note_number(call->out, "theta_r_deg", theta / deg, "");
+    rp_table_header(call->out, call->units,
                     "x/W, N [dyn/cm], N_se [dyn/cm], H [dyn/cm], H_se [dyn/cm], weight [dyn/cm], through "
                     "[dyn/cm], imbalance [dyn/cm], H/N, N_theory [dyn/cm], H_theory [dyn/cm]");
     for (size_t j = 0; j < cells; j++) {
