@@ -75,8 +75,8 @@ static rp_status print_joint(cli_call *call, const void *values)
         memset(rows[i], true, p.table->n_rows);
         RP_TRY(conditions_of(arena, &all, claims[i], &p, rows[i]));
     }
-    cli_table(call, stdout);
-    rp_table_note(stdout, "dof", "%d, with a common shift %d", ids.n, ids.n - 1);
+    cli_table(call, call->out);
+    rp_table_note(call->out, "dof", "%d, with a common shift %d", ids.n, ids.n - 1);
     const char *choices = "", *columns = "";
     for (int k = 0; k < p.n_keys; k++) {
         const char *name = p.table->names[k];
@@ -86,7 +86,7 @@ static rp_status print_joint(cli_call *call, const void *values)
     }
     RP_TRY(rp_group_rows(arena, p.table, *choices ? choices : "none", '\t', &groups));
     rp_table_header(
-        stdout,
+        call->out, call->units,
         rp_text(arena, "%s%s [word], chi2, p_value, shift [own], shift_se [own], left, n_least, n_failed",
                 columns, o->either));
     for (size_t g = 0; g < groups.n_groups; g++) {
@@ -108,8 +108,9 @@ static rp_status print_joint(cli_call *call, const void *values)
                 least = fmin(least, ours.n), failed += lost;
             }
             const report_together t = report_joint((size_t)ids.n, differences);
-            printf("%s%s%s\t%.6g\t%.6g\t%.6g\t%.6g\t%.6g\t%g\t%g\n", groups.words[g], *choices ? "\t" : "",
-                   last ? "last" : "first", t.chi2, t.p, t.shift.value, t.shift.se, t.left, least, failed);
+            fprintf(call->out, "%s%s%s\t%.6g\t%.6g\t%.6g\t%.6g\t%.6g\t%g\t%g\n", groups.words[g],
+                    *choices ? "\t" : "", last ? "last" : "first", t.chi2, t.p, t.shift.value, t.shift.se,
+                    t.left, least, failed);
         }
     }
     return RP_OK;

@@ -26,21 +26,22 @@ static bool is_asked_for(const report_claim *c, const claims_options *o)
     return o->variants || !*c->of;
 }
 
-static void print_verdicts(rp_arena *arena, const report_claims *all, const report_judged judged[],
+static void print_verdicts(const cli_call *call, const report_claims *all, const report_judged judged[],
                            const claims_options *o)
 {
     rp_table_header(
-        stdout, "id, paper, place, statement, test, published, samples, answer, ours, n, z, fixed, verdict, "
-                "detail, failed");
+        call->out, call->units,
+        "id, paper, place, statement, test, published, samples, answer, ours, n, z, fixed, verdict, "
+        "detail, failed");
     for (size_t i = 0; i < all->n; i++) {
         const report_claim *c = &all->claims[i];
         const report_judged *j = &judged[i];
         if (!is_asked_for(c, o)) continue;
-        printf("%s\t%s\t%s\t%s\t%s\t%s\t%g\t%s\t%s\t", c->id, c->paper, cli_cell(c->place), c->statement,
-               c->test, cli_cell(report_published(arena, c)), c->samples, cli_cell(c->answer),
-               cli_cell(j->text));
-        printf("%g\t%.3g\t%s\t%s\t%s\t%s\n", fabs(j->ours.n), j->z, cli_cell(c->fixed), j->word,
-               cli_cell(j->note), cli_cell(j->failed));
+        fprintf(call->out, "%s\t%s\t%s\t%s\t%s\t%s\t%g\t%s\t%s\t", c->id, c->paper, cli_cell(c->place),
+                c->statement, c->test, cli_cell(report_published(call->arena, c)), c->samples,
+                cli_cell(c->answer), cli_cell(j->text));
+        fprintf(call->out, "%g\t%.3g\t%s\t%s\t%s\t%s\n", fabs(j->ours.n), j->z, cli_cell(c->fixed), j->word,
+                cli_cell(j->note), cli_cell(j->failed));
     }
 }
 
@@ -54,12 +55,12 @@ static rp_status print_claims(cli_call *call, const void *values)
     RP_TRY(report_claims_read(tables.arena, o->claims, &all));
     if (one_alone(o)) RP_TRY(report_claims_find(&all, o->id, &one));
     RP_TRY(report_judge(&all, &tables, &judged));
-    cli_table(call, stdout);
+    cli_table(call, call->out);
     for (size_t p = 1; p < N_OF(papers) && !one_alone(o); p++) {
         const char *text = report_count(tables.arena, &all, judged, papers[p]);
-        if (*text && (o->paper == 0 || o->paper == (int)p)) rp_table_note(stdout, papers[p], "%s", text);
+        if (*text && (o->paper == 0 || o->paper == (int)p)) rp_table_note(call->out, papers[p], "%s", text);
     }
-    print_verdicts(tables.arena, &all, judged, o);
+    print_verdicts(call, &all, judged, o);
     return RP_OK;
 }
 

@@ -125,8 +125,8 @@ FILE *check_table(const char *name, const char *columns)
     CHECK_OK(rp_make_directory(check_text("%s/%.*s", folder, suite, name)));
     snprintf(opened[i].path, 512, "%s/%.*s/%s.tsv", folder, suite, name, table ? table + 1 : name);
     CHECK_OK(rp_file_open(opened[i].path, true, &opened[i].file));
-    if (opened[i].file) rp_table_provenance(opened[i].file, "check --full");
-    if (opened[i].file && columns) rp_table_header(opened[i].file, columns);
+    if (opened[i].file) rp_table_provenance(opened[i].file, RP_CGS, "check --full");
+    if (opened[i].file && columns) rp_table_header(opened[i].file, RP_CGS, columns);
     return opened[i].file;
 }
 

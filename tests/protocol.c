@@ -21,7 +21,7 @@ void *protocol_params(const sweep_protocol *protocol, const char *const changes[
 {
     void *params = calloc(1, protocol->params_size);
     CU_ASSERT_PTR_NOT_NULL_FATAL(params);
-    rp_params_defaults(protocol->schema, params);
+    rp_params_defaults(protocol->schema, RP_CGS, params);
     if (protocol->context) memcpy(params, &protocol->context, sizeof(void *)); /* of a text */
     for (; *changes; changes++)
         for (const char *c = *changes; *c; c += strspn(c, " ")) {
@@ -31,15 +31,15 @@ void *protocol_params(const sweep_protocol *protocol, const char *const changes[
             sweep_protocol_also(protocol, name);
             const rp_param *param = rp_params_find(protocol->schema, name);
             CU_ASSERT_PTR_NOT_NULL_FATAL(param);
-            CHECK_OK(rp_params_set_text(param, params, value));
+            CHECK_OK(rp_params_set_text(param, RP_CGS, params, value));
             c += length;
         }
     return params;
 }
 
-static void no_header(const void *context, FILE *table)
+static void no_header(const void *context, rp_units units, FILE *table)
 {
-    (void)context, (void)table;
+    (void)context, (void)units, (void)table;
 }
 
 void protocol_trace(const sweep_protocol *protocol, const void *params, long every, sweep_result *result)
@@ -55,11 +55,11 @@ void protocol_box(double W, double H, long run, const double steps[2], dem_sim *
     dem_fill fill = {lround(W * H / 0.04), W, 2.0 * H, 0.1, 0.02, 0.07, 0.13, 1.0};
     dem_scene scene = {
         .def = dem_definition_default(), .n_fills = 1, .fills = &fill, .seed = 1993, .run = run};
-    dem_physics physics = dem_physics_default();
+    dem_physics physics = dem_physics_default(RP_CGS);
     physics.tangential = DEM_SPRING, physics.damping = DEM_DAMPING_OUTSIDE;
     physics.mu = 0.2;
     dem_physics_apply(&physics, &scene.def);
-    const dem_material wall = dem_wall_material(&dem_material_auto, &physics);
+    const dem_material wall = dem_wall_material(RP_CGS, &dem_material_auto, &physics);
     dem_box_walls(&scene.def, W, &wall);
     scene.def.x_max = 3.0 * W;
     CHECK_OK(dem_scene_start(&scene, sim));

@@ -52,21 +52,19 @@ static const rp_param schema[] = {
 
 static rp_status set(values *v, const char *name, const char *text)
 {
-    return rp_params_set_text(rp_params_find(schema, name), v, text);
+    return rp_params_set_text(rp_params_find(schema, name), RP_CGS, v, text);
 }
 
-/* A number without a range may be any; a default with a unit is in the units of now, a word is not. */
+/* A number without a range may be any; a default with a unit is in the units asked for, a word is not. */
 static void ranges_and_units(void)
 {
     static const rp_param free_one = {"free", "", RP_REAL, 0, "0", "", "no range"};
     double number = 0.0;
     values v;
-    CHECK_OK(rp_params_set_text(&free_one, &number, "-1e300"));
+    CHECK_OK(rp_params_set_text(&free_one, RP_CGS, &number, "-1e300"));
     CHECK_NEAR(number, -1e300, 0.0);
-    CHECK_OK(rp_params_set_text(&free_one, &number, "1e300"));
-    rp_units_set(RP_SI);
-    rp_params_defaults(schema, &v);
-    rp_units_set(RP_CGS);
+    CHECK_OK(rp_params_set_text(&free_one, RP_CGS, &number, "1e300"));
+    rp_params_defaults(schema, RP_SI, &v);
     CHECK_NEAR(v.a, 0.005, 1e-17);
     CU_ASSERT(v.b == -1.0 && v.n == -1 && v.flag && v.word == 1);
 }
@@ -75,7 +73,7 @@ static void defaults_and_text(void)
 {
     values v, back;
     char text[128];
-    rp_params_defaults(schema, &v);
+    rp_params_defaults(schema, RP_CGS, &v);
     CU_ASSERT(v.a == 0.5 && v.b == -1.0 && v.n == -1 && v.flag && v.word == 1);
     CU_ASSERT_STRING_EQUAL(v.text, "none");
     CU_ASSERT(v.many.n == 0);
@@ -83,7 +81,7 @@ static void defaults_and_text(void)
     CHECK_OK(set(&v, "b", "infinite"));
     CHECK_OK(set(&v, "n", "37"));
     CU_ASSERT(isinf(v.b));
-    rp_params_defaults(schema, &back);
+    rp_params_defaults(schema, RP_CGS, &back);
     for (const rp_param *p = schema; p->name; p++) /* written values read back exactly */
         if (p->type != RP_TEXTS) CHECK_OK(set(&back, p->name, rp_params_text(p, &v, text, sizeof text)));
     CU_ASSERT(back.a == v.a && isinf(back.b) && back.n == 37 && back.flag && back.word == 1);
@@ -96,7 +94,7 @@ static void defaults_and_text(void)
 static void refused_values(void)
 {
     values v;
-    rp_params_defaults(schema, &v);
+    rp_params_defaults(schema, RP_CGS, &v);
     static const char *const cases[][3] = {{"a", "60", "a = 60: out of range, allowed: (0, 60) cm"},
                                            {"a", "0", "out of range"},
                                            {"a", "nan", "a number expected"},
@@ -131,7 +129,7 @@ static void keys(void)
     size_t n = 0;
     while (schema[n].name) n++;
     for (size_t i = 0; i < n; i++) backwards[i] = schema[n - 1 - i];
-    rp_params_defaults(schema, &v);
+    rp_params_defaults(schema, RP_CGS, &v);
     const XXH128_hash_t one = sum_of(schema, &v);
     CU_ASSERT(XXH128_isEqual(one, sum_of(backwards, &v)));
     v.a = nextafter(v.a, 1.0);
@@ -150,7 +148,7 @@ static void inherited(void)
     static const rp_param after[] = {{"a", "", RP_REAL, 0, "1.5", "[0, 2]", "", false},
                                      {"b", "", RP_REAL, sizeof(double), "auto", "[0, 2] | auto", "", true},
                                      {0}};
-    rp_params_defaults(after, &v);
+    rp_params_defaults(after, RP_CGS, &v);
     const XXH128_hash_t one = sum_of(before, &v);
     CU_ASSERT(XXH128_isEqual(one, sum_of(after, &v)));
     v.b = 0.0;
@@ -163,7 +161,7 @@ static rp_status read_text(const char *text, values *v)
     const char *path = folder_path(folder, "text.cfg");
     file_print(path, "%s", text);
     config_t config;
-    rp_params_defaults(schema, v);
+    rp_params_defaults(schema, RP_CGS, v);
     rp_status status = rp_config_read(path, &config);
     if (!status) status = rp_config_group(config_root_setting(&config), schema, v, NULL);
     v->text = NULL; /* borrowed from the config */
@@ -346,9 +344,9 @@ static void table_text(void)
     const double row[] = {0.1, 1.0 / 3.0, 2.0 / 3.0, 1e6, -0.0, 123456789012345680.0, 5e-324, INFINITY, -NAN};
     FILE *out;
     CHECK_OK(rp_file_open(path, true, &out));
-    rp_table_provenance(out, NULL);
+    rp_table_provenance(out, RP_CGS, NULL);
     rp_table_note_number(out, "B", 0.1, "sigma");
-    rp_table_header(out, "a [cm], b, c, d, e, f, g, h, i");
+    rp_table_header(out, RP_CGS, "a [cm], b, c, d, e, f, g, h, i");
     rp_table_row(out, sizeof row / sizeof *row, row);
     CHECK_OK(rp_file_close(path, out, RP_OK));
     scoped char *text = file_read(path, &size);
@@ -553,8 +551,8 @@ static void tables(void)
     static const char *const columns[][2] = {{"x", "cm"}, {"y", ""}};
     FILE *out;
     CHECK_OK(rp_file_open(path, true, &out));
-    rp_table_provenance(out, "a test");
-    rp_table_columns(out, 2, columns);
+    rp_table_provenance(out, RP_CGS, "a test");
+    rp_table_columns(out, RP_CGS, 2, columns);
     rp_table_row(out, 2, (double[]){0.1, -1.0 / 3.0});
     rp_table_row(out, 2, (double[]){2.0, -NAN});
     CHECK_OK(rp_file_close(path, out, RP_OK));

@@ -74,7 +74,7 @@ static void write_key(FILE *out, gsl_rng *r, const rp_param *p)
                                            : reals[gsl_rng_uniform_int(r, sizeof reals / sizeof *reals)];
     /* the damping that leaves next to no speed takes half a minute to find */
     if (strcmp(p->name, "restitution") == 0) number = "0.125";
-    if ((p->type == RP_REAL || p->type == RP_INT) && rp_params_set_text(p, values, number) == RP_OK)
+    if ((p->type == RP_REAL || p->type == RP_INT) && rp_params_set_text(p, RP_CGS, values, number) == RP_OK)
         fprintf(out, "%s = %s; ", p->name, number);
     if (p->type == RP_BOOL) fprintf(out, "%s = %s; ", p->name, gsl_rng_uniform_int(r, 2) ? "true" : "false");
     if (p->type != RP_CHOICE) return;

@@ -549,7 +549,8 @@ static void schema_is_listed(const char *of, const char *kind, const rp_param *s
     char text[64];
     HEADING("# %-25s %-10s %-6s %-12s %-34s %s", "name", "unit", "type", "default", "range", "meaning");
     for (const rp_param *p = schema; p->name; p++) {
-        const char *unit = or_dash(rp_unit(p->unit)), *fallback = default_of(p, si, text);
+        const char *unit = or_dash(rp_unit(si ? RP_SI : RP_CGS, p->unit)),
+                   *fallback = default_of(p, si, text);
         if (rows)
             row_is((const char *[]){of, kind, p->name, unit, type_of(p), fallback, or_dash(p->range),
                                     p->meaning});
@@ -572,7 +573,7 @@ static void protocol_is_listed(const sweep_protocol *protocol, bool si)
     HEADING("# outputs of protocol %s", protocol->name);
     HEADING("# %-36s %-10s %s", "name", "unit", "meaning");
     for (const sweep_output *o = protocol->outputs; o->name; o++) {
-        const char *unit = or_dash(rp_unit(o->unit));
+        const char *unit = or_dash(rp_unit(si ? RP_SI : RP_CGS, o->unit));
         if (rows)
             row_is((const char *[]){protocol->name, "output", o->name, unit, "real", "-", "-", o->meaning});
         else
@@ -630,7 +631,7 @@ static void experiments_are_listed(bool si)
     HEADING("# %-25s %-10s %-14s %s", "name", "unit", "of", "meaning");
     exp_word w;
     for (size_t k = 0; (w = exp_observable_at(k)).name; k++) {
-        const char *unit = or_dash(rp_unit(w.unit));
+        const char *unit = or_dash(rp_unit(si ? RP_SI : RP_CGS, w.unit));
         if (rows)
             row_is((const char *[]){"experiment", "observable", w.name, unit, "-", "-", w.of, w.meaning});
         else
@@ -644,7 +645,6 @@ static void opened_is_listed(const sweep_protocol *p, bool si)
     sweep_protocol_in(p, si ? RP_SI : RP_CGS);
     protocol_is_listed(p, si);
     sweep_protocol_close(p);
-    rp_units_set(si ? RP_SI : RP_CGS);
 }
 
 /* What is asked for, blank lines between the protocols, the scene and experiments. */
@@ -653,7 +653,6 @@ static void check_params(const char *command)
     const bool si = strstr(command, "si") != NULL, flux = strstr(command, "flux") != NULL,
                experiment = strstr(command, "experiment") != NULL, scene = strstr(command, "scene") != NULL,
                all = !flux && !experiment && !scene;
-    rp_units_set(si ? RP_SI : RP_CGS);
     for (const sweep_protocol *const *p = sweep_protocols; *p && all; p++) {
         opened_is_listed(*p, si);
         HEADING("%s", "");
@@ -662,7 +661,6 @@ static void check_params(const char *command)
     if (flux) opened_is_listed(&sweep_protocol_flux, si);
     if (all) HEADING("%s", "");
     if (experiment || all) experiments_are_listed(si);
-    rp_units_set(RP_CGS);
 }
 
 static void test_params(void)

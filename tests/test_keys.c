@@ -212,7 +212,8 @@ enum { N_RUNS = sizeof runs / sizeof *runs };
 static void *settings_of(const sweep_protocol *p, const char *settings, const char *key, const char *value)
 {
     void *params = protocol_params(p, (const char *const[]){settings, NULL});
-    rp_status status = key ? rp_params_set_text(rp_params_find(p->schema, key), params, value) : RP_OK;
+    rp_status status =
+        key ? rp_params_set_text(rp_params_find(p->schema, key), RP_CGS, params, value) : RP_OK;
     if (!status && p->check) status = p->check(params);
     if (status) free(params);
     return status ? NULL : params;

@@ -336,7 +336,7 @@ static void defaults_need_a_rate(void)
     for (int normal = 0; normal < DEM_NORMAL_N; normal++) {
         const bool rate = strcmp(dem_normal_descriptors[normal].gamma_n_unit, "1/s") == 0;
         dem_definition def = dem_definition_default();
-        dem_physics p = dem_physics_default();
+        dem_physics p = dem_physics_default(RP_CGS);
         p.normal = normal;
         dem_physics_apply(&p, &def);
         if (!rate) CHECK_FAILS(dem_physics_check(&def), RP_BAD_INPUT, "gamma_n: has no default");
@@ -363,7 +363,7 @@ static void restitution_of_walls(void)
 {
     dem_grain grain = {.x = 0.0, .y = 1.0, .r = 0.1, .m = 0.004};
     dem_definition def = dem_definition_default();
-    dem_physics p = dem_physics_default();
+    dem_physics p = dem_physics_default(RP_CGS);
     p.normal = DEM_LINEAR;
     p.dt = 1e-5;
     p.tangential = DEM_SPRING;
@@ -371,14 +371,14 @@ static void restitution_of_walls(void)
     dem_physics_apply(&p, &def);
     const dem_normal_descriptor *law = &dem_normal_descriptors[DEM_LINEAR];
     dem_material stiff = dem_material_auto;
-    stiff.k_s = 7.0, stiff.gamma_s = 8.0, stiff = dem_wall_material(&stiff, &p);
+    stiff.k_s = 7.0, stiff.gamma_s = 8.0, stiff = dem_wall_material(RP_CGS, &stiff, &p);
     CHECK_PAIRS(0.0, {stiff.k_roll, 7.0}, {stiff.gamma_roll, 8.0}, {stiff.k_n, 2.0 * p.k_n});
     for (int choice = 0; choice < 3; choice++) {
         dem_material given = dem_material_auto;
         if (choice == 1) given.restitution = 0.7;
         if (choice == 2) given.gamma_n = 123.0;
         grains_on_floor(&def, 1, &grain);
-        def.walls[0].material = dem_wall_material(&given, &p);
+        def.walls[0].material = dem_wall_material(RP_CGS, &given, &p);
         scoped_sim *sim = grains_start(&def);
         const dem_material *floor = &sim->def.walls[0].material, *grains = &sim->def.material;
         CHECK_NEAR(dem_restitution(true, law->damping_ratio(grains->k_n, grains->gamma_n, 0.002)), 0.4,

@@ -548,7 +548,7 @@ static void traced(void)
 {
     sweep_pile p;
     sweep_result r;
-    rp_params_defaults(sweep_pile_schema, &p);
+    rp_params_defaults(sweep_pile_schema, RP_CGS, &p);
     p.base = 12;
     protocol_trace(&sweep_protocol_pile, &p, 0, &r);
     scoped_table t = read_table("t/base.tsv");

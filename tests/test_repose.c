@@ -206,9 +206,9 @@ static void test_keys_of_the_scene(void)
         const char *as_in_text = strcmp(others[n].name, "tangential") == 0 ? "spring"
                                  : strcmp(others[n].name, "damping") == 0  ? "outside"
                                                                            : NULL;
-        if (as_in_text) CHECK_OK(rp_params_set_text(p, params, as_in_text));
+        if (as_in_text) CHECK_OK(rp_params_set_text(p, RP_CGS, params, as_in_text));
         CU_ASSERT_FATAL(open->hash(params, NULL, &hash[0]));
-        CHECK_OK(rp_params_set_text(p, params, others[n].value));
+        CHECK_OK(rp_params_set_text(p, RP_CGS, params, others[n].value));
         const bool works = open->hash(params, NULL, &hash[1]);
         if (!works) fprintf(stderr, "%s = %s: %s\n", others[n].name, others[n].value, rp_message());
         CU_ASSERT_FATAL(works);
@@ -242,7 +242,7 @@ static void test_names(void)
             if (p->type == RP_CHOICE)
                 for (int k = 1; k >= 0 && (k == 1 || strcmp(word, now) == 0); k--)
                     rp_word_at(p->range, k, word, sizeof word);
-            const rp_status status = rp_params_set_text(p, params, word);
+            const rp_status status = rp_params_set_text(p, RP_CGS, params, word);
             matters += status || !protocol->hash(params, NULL, &hash[1]) || !XXH128_isEqual(hash[0], hash[1]);
         }
         CHECK_OR_SAY(matters > 0, "repose: %s changes nothing", p->name);

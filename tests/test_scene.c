@@ -264,7 +264,7 @@ static void particles_from_table(void)
     first.def.rotation = true;
     CHECK_OK(dem_scene_start(&first, &sim));
     FILE *out = fopen(table, "w");
-    dem_write_columns(DEM_TABLE_STATES, false, out);
+    dem_write_columns(DEM_TABLE_STATES, sim, out);
     CHECK_OK(dem_write_rows(DEM_TABLE_STATES, sim, dem_step(sim), out));
     fclose(out);
     CHECK_OK(grains_read(text, NULL, &again));
@@ -410,8 +410,8 @@ static void bed_taken_back(void)
         0, stage, "0.0", ", { point = [2.0, 0.0]; direction = [-1.0, 0.0]; open_at_step = 5000; }",
         "fill = { N = 80; W = 2.0; H = 3.0; };");
     FILE *out[2] = {fopen(states, "w"), fopen(contacts, "w")};
-    dem_write_columns(DEM_TABLE_STATES, false, out[0]);
-    dem_write_columns(DEM_TABLE_CONTACTS, false, out[1]);
+    dem_write_columns(DEM_TABLE_STATES, sim, out[0]);
+    dem_write_columns(DEM_TABLE_CONTACTS, sim, out[1]);
     for (int part = 0; part < 2; part++) {
         CHECK_OK(dem_run(sim, part ? 10 : 60000));
         CHECK_OK(dem_write_rows(DEM_TABLE_STATES, sim, dem_step(sim), out[0]));

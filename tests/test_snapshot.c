@@ -185,6 +185,29 @@ static void every_law_integrator_and_feature(void)
     CU_ASSERT(contacts > 500);
 }
 
+/* A run of each integrator, stopped at any step and continued, is the run that was not stopped. */
+static void any_step(void)
+{
+    enum { STEPS = 40 };
+    for (int integrator = 0; integrator < DEM_INTEGRATORS; integrator++)
+        for (int features = 0; features <= GRAVITY_TURNS; features += GRAVITY_TURNS) {
+            dem_definition def = scene_of(features);
+            def.integrator = (dem_integrator)integrator;
+            if (!dem_schemes[integrator]->rotation) def.rotation = false;
+            if (dem_schemes[integrator]->solves) def.tangential = DEM_NONE, def.material.mu = 0.0;
+            for (size_t w = 0; w < def.n_walls; w++) def.walls[w].material = def.material;
+            def.dt = fmin(def.dt, 0.5 * dem_time_step_limit(&def, NULL));
+            scoped_sim *sim = grains_start(&def), *end = grains_start(&def);
+            advance(sim, HALF), advance(end, HALF + STEPS);
+            for (int step = 0; step < STEPS; step++) {
+                scoped_sim *copy = grains_kept(sim);
+                advance(copy, STEPS - step);
+                CU_ASSERT(same(end, copy));
+                advance(sim, 1);
+            }
+        }
+}
+
 /* So many grains that a step takes them in chunks, and runs ahead. */
 static void large_pile(void)
 {
@@ -735,7 +758,7 @@ static void stopped_row(void)
     }
 }
 
-CHECK_SUITE_WITHIN(snapshot, "snapshot", enter, leave, every_law_integrator_and_feature, large_pile,
+CHECK_SUITE_WITHIN(snapshot, "snapshot", enter, leave, every_law_integrator_and_feature, any_step, large_pile,
                    damaged_files, foreign_files, impossible_states, unknown_words, full_disk, killed_runs,
                    stopped_runs, refused_resumes, no_snapshot, protocol_repose, protocol_stress,
                    protocol_onset, protocol_drop, synced, sweep_rows, stopped_sweep, stopped_row)

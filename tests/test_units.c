@@ -2,12 +2,10 @@
  * powers of 2 change no digit, so that runs agree to the bit; a number that stands in the code without a unit
  * shows. Hertz' law takes the fourth root of a length, and so exponents of lengths are multiples of 4, all
  * others even. */
-#include <pthread.h>
-
 #include "dem/setup/definition.h"
+#include "dem/scene/text.h"
 #include "dem/state/state.h"
-#include "params/units.h"
-#include "table/table.h"
+#include "table/columns.h"
 #include "tests/grains.h"
 #include "tests/labels.h"
 
@@ -143,7 +141,7 @@ static rp_table rows_of(dem_table kind, const dem_sim *sim)
     size_t size;
     FILE *out = open_memstream(&text, &size);
     rp_table t = {0};
-    dem_write_columns(kind, sim->def.ledger, out);
+    dem_write_columns(kind, sim, out);
     CHECK_OK(dem_write_rows(kind, sim, dem_step(sim), out));
     fclose(out);
     CHECK_OK(rp_table_parse("rows", text, &t));
@@ -298,13 +296,6 @@ static void implicit(void)
     }
 }
 
-static void *set_si(void *unit)
-{
-    rp_units_set(RP_SI);
-    *(const char **)unit = rp_unit("cm");
-    return NULL;
-}
-
 /* The three labels of a unit have the same powers of length, mass and time, and numbers change by these. */
 static void labels(void)
 {
@@ -316,26 +307,49 @@ static void labels(void)
         double p[3], q[3];
         CHECK_OR_SAY(label_powers(cgs, false, p), "unit %s: a word that is no unit", cgs);
         for (rp_units system = RP_SI; system <= RP_SIGMA; system++) {
-            rp_units_set(system);
-            CHECK_OR_SAY(label_powers(rp_unit(cgs), system == RP_SIGMA, q) && memcmp(p, q, sizeof p) == 0,
-                         "unit %s: in other units %s", cgs, rp_unit(cgs));
+            CHECK_OR_SAY(label_powers(rp_unit(system, cgs), system == RP_SIGMA, q) &&
+                             memcmp(p, q, sizeof p) == 0,
+                         "unit %s: in other units %s", cgs, rp_unit(system, cgs));
             double factor = 1.0;
             for (int i = 0; i < 3; i++) factor *= pow(one[system][i], p[i]);
-            CHECK_OR_SAY(fabs(rp_units_value(cgs, 2.385) * factor / 2.385 - 1.0) < 1e-11,
-                         "unit %s: 2.385 is %g %s", cgs, rp_units_value(cgs, 2.385),
-                         rp_unit(cgs)); /* 12 digits */
+            CHECK_OR_SAY(fabs(rp_units_value(system, cgs, 2.385) * factor / 2.385 - 1.0) < 1e-11,
+                         "unit %s: 2.385 is %g %s", cgs, rp_units_value(system, cgs, 2.385),
+                         rp_unit(system, cgs)); /* 12 digits */
         }
-        rp_units_set(RP_CGS);
     }
 }
 
-/* A thread that reads a scene in other units leaves those of the others. */
-static void in_threads(void)
+/* Texts that are open together have each its own defaults, labels and messages. */
+static void side_by_side(void)
 {
-    pthread_t other;
-    const char *unit;
-    CU_ASSERT_FATAL(pthread_create(&other, NULL, set_si, &unit) == 0 && pthread_join(other, NULL) == 0);
-    CU_ASSERT(strcmp(unit, "m") == 0 && strcmp(rp_unit("cm"), "cm") == 0);
+    static const char *const words[] = {"cgs", "si"}, *const limit[] = {"cm/s", "m/s"},
+                             *const label[] = {"cm", "m"};
+    dem_text text[2];
+    dem_scene scene[2];
+    dem_sim *sim[2] = {NULL, NULL};
+    char bytes[2][256];
+    for (int k = 0; k < 2; k++) {
+        snprintf(bytes[k], sizeof bytes[k],
+                 "units = \"%s\"; dt = %g; particles = ( { x = 0.0; y = 0.0; r = %g; } );", words[k], 5e-5,
+                 k ? 0.001 : 0.1);
+        CHECK_OK(dem_text_open(words[k], bytes[k], NULL, &text[k]));
+    }
+    for (int k = 0; k < 2; k++) {
+        CHECK_OK(dem_text_scene(&text[k], &scene[k]));
+        CHECK_OK(dem_scene_start(&scene[k], &sim[k]));
+    }
+    CHECK_NEAR(scene[0].def.gravity[1], -981.0, 0.0);
+    CHECK_NEAR(scene[1].def.gravity[1], -9.81, 0.0);
+    CHECK_NEAR(scene[0].laws.physics.density / scene[1].laws.physics.density, 1e-3, 1e-18);
+    for (int k = 0; k < 2; k++) {
+        RP_ENDS(rp_table_free) rp_table t = rows_of(DEM_TABLE_STATES, sim[k]);
+        char unit[32];
+        rp_column_unit(&t, rp_table_column(&t, "x"), unit);
+        CU_ASSERT_STRING_EQUAL(unit, label[k]);
+        scene[k].def.grains = scene[k].grains;
+        CHECK_FAILS(dem_refuse_step(&scene[k].def, 1e-9, "this"), RP_BAD_INPUT, limit[k]);
+    }
+    for (int k = 0; k < 2; k++) dem_free(sim[k]), dem_scene_free(&scene[k]), dem_text_close(&text[k]);
 }
 
-CHECK_SUITE(units, "units", labels, soft, hard, gear_and_ground, implicit, in_threads)
+CHECK_SUITE(units, "units", labels, soft, hard, gear_and_ground, implicit, side_by_side)

@@ -51,7 +51,7 @@ void case_write(const char *suite, case_problem *const problems[], size_t n)
         rp_table_note(out, check_text("source_%s", problems[i]->problem), "%s", problems[i]->source);
         rp_table_note(out, check_text("bound_%s", problems[i]->problem), "%s", problems[i]->bound);
     }
-    if (out) rp_table_header(out, "problem, cases [1], worst_over_bound [1]");
+    if (out) rp_table_header(out, RP_CGS, "problem, cases [1], worst_over_bound [1]");
     for (size_t i = 0; i < n; i++) {
         case_problem *p = problems[i];
         CU_ASSERT(p->n > 0);

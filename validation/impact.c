@@ -338,8 +338,9 @@ static void damping_range(void)
         CHECK_TABLE(out, law == DEM_HERTZ ? "impact_hertz" : "impact_linear", NULL);
         if (!out) return;
         rp_table_note(out, "steps", "1000 per elastic contact time, at least 1000/(2 damping) per 1/gamma");
-        rp_table_header(out, "damping [1], pulls_exact [1], pulls [1], pulls_error [1], pulls_bound [1], "
-                             "pushes_exact [1], pushes [1], pushes_error [1], pushes_bound [1]");
+        rp_table_header(out, RP_CGS,
+                        "damping [1], pulls_exact [1], pulls [1], pulls_error [1], pulls_bound [1], "
+                        "pushes_exact [1], pushes [1], pushes_error [1], pushes_bound [1]");
         for (int i = 0; i <= 48; i++) {
             impact p = {.law = law, .k_n = 1e6, .v = 12.3, .m_a = M_A, .m_b = M_B};
             p.phase = fmod(0.6180339887 * i, 1.0);

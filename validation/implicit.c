@@ -89,7 +89,7 @@ static void energy_is_kept(void)
     }
     CHECK_TABLE(out, "implicit_energy", NULL);
     if (out) {
-        rp_table_columns(out, ENERGY_CASES + 1, (const char *const(*)[2])names);
+        rp_table_columns(out, RP_CGS, ENERGY_CASES + 1, (const char *const(*)[2])names);
         for (size_t m = 0; m < marks; m++) {
             double row[ENERGY_CASES + 1] = {at[m]};
             for (int k = 0; k < ENERGY_CASES; k++) row[k + 1] = error[k][m];

@@ -94,7 +94,7 @@ static void write_outcomes(const outcomes *o, const char *name, const char *sett
     note_cheapest(out, o, setting);
     const char *columns =
         check_text("%s [%s], error [%s], seconds [s], front, method", setting, unit, error_unit);
-    rp_table_header(out, columns);
+    rp_table_header(out, RP_CGS, columns);
     for (const outcome *r = o->row; r < o->row + o->n; r++)
         CHECK_ROW(out, r->method, r->setting, r->error, r->seconds, (double)o->front[r - o->row]);
 }

@@ -324,7 +324,6 @@ static void run_material(strike *p)
         p->density, dt, p->E, p->nu, p->e, p->mu, p->r + 0.381 * p->v_n * dt, p->r, p->u, -p->v_n, p->omega,
         p->m_other > 0.0 ? "," : "", other);
     run_impact(sim, p, rate, 0.381 * dt);
-    rp_units_set(RP_CGS);
 }
 
 /* DEM05: aluminium oxide on glass at 3.9 m/s, linear springs. Chung & Ooi's oxide is the same by E and nu. */

@@ -173,8 +173,9 @@ static void table_of_sizes(void)
         rp_table_note(out, check_text("memory_exponent_%g", alpha_deg[i]), "%.2f",
                       exponent(SIZES / 2, n + SIZES / 2, memory + SIZES / 2));
     }
-    rp_table_header(out, "alpha_deg [degrees], n_disks, seconds [s], memory [MB], steps, factorisations, "
-                         "negative_modes, residual [m g]");
+    rp_table_header(out, RP_CGS,
+                    "alpha_deg [degrees], n_disks, seconds [s], memory [MB], steps, factorisations, "
+                    "negative_modes, residual [m g]");
     for (const row *r = rows[0]; r < rows[0] + SHAPES * SIZES; r++)
         CHECK_ROW(out, NULL, r->alpha_deg, (double)r->n, r->seconds, r->memory, (double)r->result.steps,
                   (double)r->result.factored, (double)r->result.negative_modes, r->result.residual);
@@ -212,8 +213,9 @@ static void table_of_goals(void)
                   "processor time to assemble and solve a pile and to count its modes, median of up to 5");
     rp_table_note(out, "eps", "0: linearised");
     rp_table_note(out, "well", "half-width of friction wells, mu = 1; 0: springs of K_s");
-    rp_table_header(out, "alpha_deg [degrees], n_disks, eps, well [eps sigma], goal [s], seconds [s], "
-                         "memory [MB], factorisations, negative_modes, verdict");
+    rp_table_header(out, RP_CGS,
+                    "alpha_deg [degrees], n_disks, eps, well [eps sigma], goal [s], seconds [s], "
+                    "memory [MB], factorisations, negative_modes, verdict");
     for (size_t i = 0; i < sizeof piles / sizeof *piles; i++)
         for (int kind = 0; kind < (piles[i].soft ? 4 : 2); kind++) {
             const double eps = kind < 2 ? 0 : 1e-4, well = kind % 2;

@@ -509,7 +509,7 @@ static void implicit_rest(void)
                                       {"tolerance", "radius"},
                                       {"gamma_over_omega", ""},
                                       {"dt_over_contact_time", "largest of 1, 3.2, 10, ... 1000"}};
-    if (out) rp_table_columns(out, sizeof columns / sizeof *columns, columns);
+    if (out) rp_table_columns(out, RP_CGS, sizeof columns / sizeof *columns, columns);
     for (int k = 0; k < (check_full() ? SOLVERS : 2); k++)
         for (int system = PAIR; system <= PACKING; system++)
             for (double damping = 0.0; damping < 2.0; damping += 1.0) {
@@ -534,7 +534,7 @@ static void implicit_limits(void)
                                       {"iterations", "a step, there"},
                                       {"half_skin", "contact times for a displacement of half the skin at v"},
                                       {"ends", "word"}};
-    if (out) rp_table_columns(out, sizeof columns / sizeof *columns, columns);
+    if (out) rp_table_columns(out, RP_CGS, sizeof columns / sizeof *columns, columns);
     for (int k = 0; k < (check_full() ? SOLVERS : 2); k++) {
         const equation_solver *with = &solvers[k];
         for (int d = 0; d < (check_full() ? 5 : 1); d++) {

@@ -6,8 +6,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "params/units.h"
-
 const char *cli_argument(const cli_call *call, int i)
 {
     return i < call->n_arguments ? call->arguments[i] : NULL;
@@ -48,7 +46,7 @@ const char *cli_data(rp_arena *arena, const char *name)
 
 void cli_provenance(const cli_call *call, FILE *out)
 {
-    rp_table_provenance(out, call->line);
+    rp_table_provenance(out, call->units, call->line);
     if (call->lineage) fputs(call->lineage, out);
 }
 
@@ -59,5 +57,5 @@ void cli_table(const cli_call *call, FILE *out)
     for (const rp_param *p = call->options; p < call->options + call->n_own; p++)
         if (p->type != RP_TEXT && p->type != RP_TEXTS)
             rp_table_note(out, p->name, "%s%s%s", rp_params_text(p, call->values, text, sizeof text),
-                          *p->unit ? " " : "", rp_unit(p->unit));
+                          *p->unit ? " " : "", rp_unit(call->units, p->unit));
 }

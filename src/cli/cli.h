@@ -26,6 +26,8 @@ typedef struct {
     rp_arena *arena; /* of the whole command */
     const cli_program *program;
     const char *line;    /* the command line, for provenance */
+    FILE *out;           /* what it prints goes there */
+    rp_units units;      /* of what it reads, and of its table */
     const char *lineage; /* further header lines of its table; may be NULL */
     const struct cli_command *command;
     rp_param *options; /* of the command, with names as they are typed */
@@ -176,13 +178,13 @@ rp_status cli_sweep_table(const cli_call *call, const char *path, unsigned what,
 rp_status cli_sweep_export(const cli_call *call, const char *dir, unsigned what, const char *path,
                            bool replace, sweep_counts *counts);
 
-/* The row of one run on standard output, and before it the columns: those of parameters (NULL: without), of
+/* The row of one run, and before it the columns: those of parameters (NULL: without), of
  * results, and its status. */
-void cli_result_row(const rp_param *schema, const void *parameters, const sweep_output *outputs,
-                    const sweep_result *result);
+void cli_result_row(const cli_call *call, const rp_param *schema, const void *parameters,
+                    const sweep_output *outputs, const sweep_result *result);
 
 /* How many runs are planned, stored and missing, and how many have which status. */
-void cli_print_counts(const sweep_counts *counts);
+void cli_print_counts(const cli_call *call, const sweep_counts *counts);
 
 /* May this sweep's file be planned in the folder? Not over another sweep, unless by `force`. Errors:
  * RP_BAD_INPUT; RP_IO. */
@@ -201,14 +203,14 @@ static inline const char *cli_cell(const char *text)
     return text && *text ? text : "-";
 }
 
-/* One row of numbers, and one with a word in the last column. */
+/* One row of numbers that `call` prints, and one with a word in the last column. */
 #define CLI_NUMBERS(...)                                                                                     \
     sizeof((double[]){__VA_ARGS__}) / sizeof(double), (double[])                                             \
     {                                                                                                        \
         __VA_ARGS__                                                                                          \
     }
-#define CLI_ROW(...)            rp_table_row(stdout, CLI_NUMBERS(__VA_ARGS__))
-#define CLI_ROW_WORD(word, ...) rp_table_row_word(stdout, CLI_NUMBERS(__VA_ARGS__), word)
+#define CLI_ROW(...)            rp_table_row(call->out, CLI_NUMBERS(__VA_ARGS__))
+#define CLI_ROW_WORD(word, ...) rp_table_row_word(call->out, CLI_NUMBERS(__VA_ARGS__), word)
 
 /* The commands, and subcommands with a file of their own. */
 extern const cli_command cmd_lattice, cmd_continuum, cmd_tent, cmd_pile, cmd_angle, cmd_stress, cmd_stats,

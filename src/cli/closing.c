@@ -4,7 +4,6 @@
 #include <math.h>
 
 #include "core/elementary.h"
-#include "params/units.h"
 
 /* The grains, mean diameter, weight times diameter, extent in x and least y. */
 typedef struct {
@@ -103,10 +102,10 @@ void cli_close_line(const char *directory)
 }
 
 /* " cm" or another unit of the scene; numbers in units of the grains have none. */
-static const char *unit_text(const char *cgs, char text[32])
+static const char *unit_text(rp_units units, const char *cgs, char text[32])
 {
-    const bool named = rp_units_now() != RP_SIGMA;
-    snprintf(text, 32, "%s%s", named ? " " : "", named ? rp_unit(cgs) : "");
+    const bool named = units != RP_SIGMA;
+    snprintf(text, 32, "%s%s", named ? " " : "", named ? rp_unit(units, cgs) : "");
     return text;
 }
 
@@ -117,7 +116,7 @@ void cli_close_run(rp_arena *arena, const dem_sim *sim, const cli_rest *looks, c
     cli_slope slope;
     if (cli_slope_of(arena, sim, &slope)) return;
     fprintf(stderr, "repose run: %zu grains, %ld steps, t = %.5g%s; %s", dem_count(sim), dem_step(sim),
-            dem_time(sim), unit_text("s", unit), rest ? "at rest" : "not at rest");
+            dem_time(sim), unit_text(dem_units(sim), "s", unit), rest ? "at rest" : "not at rest");
     if (rest && !isnan(slope.theta_r.theta)) {
         static const double deg = M_PI / 180.0;
         /* walls give way by parts of a grain: three digits of the length, and no minus of a zero */
@@ -125,7 +124,7 @@ void cli_close_run(rp_arena *arena, const dem_sim *sim, const cli_rest *looks, c
         fprintf(stderr, "; theta_R = %.1f degrees, standard error %.1f, over x = %.6g to %.6g%s (method 3)",
                 slope.theta_r.theta / deg, slope.theta_r.theta_se / deg,
                 digit * round(slope.x[0] / digit) + 0.0, digit * round(slope.x[1] / digit) + 0.0,
-                unit_text("cm", unit));
+                unit_text(dem_units(sim), "cm", unit));
     }
     cli_close_line(directory);
 }

@@ -49,9 +49,9 @@ static rp_status run_among(cli_call *call, const cli_command *group, int argc, c
     const cli_command *command = cli_find(group ? group->group : program->commands, word);
     if (command) return cli_run(call, command, argc - 1, argv + 1);
     if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0)
-        cli_overview(program, group, stdout);
+        cli_overview(program, group, call->out);
     else if (!group && (strcmp(word, "--version") == 0 || strcmp(word, "-V") == 0))
-        printf("%s %s (commit %s)\n", program->name, RP_VERSION, rp_build_commit);
+        fprintf(call->out, "%s %s (commit %s)\n", program->name, RP_VERSION, rp_build_commit);
     else
         return cli_unknown_command(program, word, group);
     return RP_OK;
@@ -84,33 +84,34 @@ static rp_status act(cli_call *call, rp_table *table)
         RP_TRY(read_tables(call, &table));
         cli_sources(call, table);
     }
+    call->units = rp_table_units(table);
     for (size_t i = 0; where && i < where->n; i++) RP_TRY(rp_table_where(table, where->items[i]));
     return command->on_table(call, table, call->values);
 }
 
 rp_status cli_act_into(cli_call *call, rp_table *table, FILE *out)
 {
-    FILE *const before = stdout;
-    stdout = out; /* glibc: a variable */
+    FILE *const before = call->out;
+    call->out = out;
     const rp_status status = act(call, table);
-    stdout = before;
+    call->out = before;
     return status;
 }
 
 /* What is no table is printed as it is. The text is from malloc. */
-static rp_status print_as_json(rp_arena *arena, char *text)
+static rp_status print_as_json(const cli_call *call, char *text)
 {
     rp_table *table;
     int *columns;
     size_t n;
     if (*text != '#' && !strchr(text, '\t')) {
-        fputs(text, stdout);
+        fputs(text, call->out);
         free(text);
         return RP_OK;
     }
-    RP_TRY(rp_table_keep(arena, "--json", text, &table));
-    RP_TRY(rp_columns(arena, table, "all", &n, &columns));
-    return export_json(table, n, columns, stdout);
+    RP_TRY(rp_table_keep(call->arena, "--json", text, &table));
+    RP_TRY(rp_columns(call->arena, table, "all", &n, &columns));
+    return export_json(table, n, columns, call->out);
 }
 
 /* Standard output as JSON; a file that the command writes instead would stay a table. A command that fails
@@ -132,7 +133,7 @@ static rp_status act_as_json(cli_call *call)
     fclose(memory);
     rp_status printed = whole ? RP_OK : rp_fail(RP_NO_MEMORY, "--json: out of memory");
     if (!printed && (!status || status == RP_NO_RESULT))
-        printed = print_as_json(call->arena, text);
+        printed = print_as_json(call, text);
     else
         free(text);
     return status ? rp_fail(status, "%s", message) : printed;
@@ -178,13 +179,16 @@ int cli_main(const cli_program *program, int argc, char **argv)
     hold_streams();
     signal(SIGXFSZ, SIG_IGN); /* a file that reaches the limit of its size is a failed write */
     rp_arena arena = {.exhausted = exhausted};
-    cli_call call = {.arena = &arena, .program = program, .line = line_of(&arena, program->name, argc, argv)};
+    cli_call call = {.arena = &arena,
+                     .program = program,
+                     .out = stdout,
+                     .line = line_of(&arena, program->name, argc, argv)};
     const bool named = argc > 1 && cli_find(program->commands, argv[1]);
     if (argc < 2) cli_overview(program, NULL, stderr);
     rp_status status = argc < 2 ? RP_USAGE : rp_build_check();
     if (!status) status = run_among(&call, NULL, argc, argv);
     /* a failed write is an error, and a failure has one message */
-    if (!status) status = rp_file_finish(stdout, "standard output");
+    if (!status) status = rp_file_finish(call.out, "standard output");
     if (status && argc > 1)
         fprintf(stderr, "%s%s%s: %s\n", program->name, named ? " " : "", named ? argv[1] : "", rp_message());
     rp_arena_release(&arena, NULL);

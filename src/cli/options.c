@@ -43,16 +43,16 @@ static int help_width(void)
 }
 
 /* Words of a text from column `at` on, further lines from column `indent` on. */
-static int print_words(const char *text, size_t n, int at, int indent)
+static int print_words(FILE *out, const char *text, size_t n, int at, int indent)
 {
     const int width = help_width();
     for (const char *word = text; word < text + n;) {
         const int length = (int)strcspn(word, " \n");
         if (at > indent && at + 1 + length > width)
-            printf("\n%*s", at = indent, "");
+            fprintf(out, "\n%*s", at = indent, "");
         else if (word > text)
-            putchar(' '), at++;
-        printf("%.*s", length, word);
+            fputc(' ', out), at++;
+        fprintf(out, "%.*s", length, word);
         at += length;
         word += length + strspn(word + length, " \n");
     }
@@ -60,29 +60,29 @@ static int print_words(const char *text, size_t n, int at, int indent)
 }
 
 /* Paragraphs are filled; lines that begin with a blank keep their form. */
-static void print_about(const char *text)
+static void print_about(FILE *out, const char *text)
 {
     for (const char *p = text; *p;) {
         const char *end = p + strcspn(p, "\n");
         while (*p != ' ' && *p != '\n' && *end && end[1] != '\n' && end[1] != ' ')
             end += 1 + strcspn(end + 1, "\n");
         if (*p == ' ')
-            printf("%.*s", (int)(end - p), p);
+            fprintf(out, "%.*s", (int)(end - p), p);
         else
-            print_words(p, (size_t)(end - p), 0, 0);
-        putchar('\n');
+            print_words(out, p, (size_t)(end - p), 0, 0);
+        fputc('\n', out);
         p = end + (*end == '\n');
     }
 }
 
 /* Lines, each filled and begun with these words; from the second on the first of them is blank. */
-static void print_lines(const char *text, const char *first, const char *second)
+static void print_lines(FILE *out, const char *text, const char *first, const char *second)
 {
     const int indent = (int)strlen(first);
     for (const char *line = text; *line; first = "") {
         const size_t n = strcspn(line, "\n");
-        print_words(line, n, printf("%-*s%s", indent, first, second), indent + (*second ? 4 : 2));
-        putchar('\n');
+        print_words(out, line, n, fprintf(out, "%-*s%s", indent, first, second), indent + (*second ? 4 : 2));
+        fputc('\n', out);
         line += n + (line[n] == '\n');
     }
 }
@@ -90,23 +90,24 @@ static void print_lines(const char *text, const char *first, const char *second)
 static void print_help(const cli_call *call)
 {
     const cli_command *c = call->command;
-    print_lines(c->synopsis, "usage: ", rp_text(call->arena, "%s %s ", call->program->name, c->name));
-    putchar('\n');
-    print_about(c->about);
-    puts("\noptions:");
+    print_lines(call->out, c->synopsis,
+                "usage: ", rp_text(call->arena, "%s %s ", call->program->name, c->name));
+    fputc('\n', call->out);
+    print_about(call->out, c->about);
+    fputs("\noptions:\n", call->out);
     for (const rp_param *p = call->options; p->name; p++) {
         const char *text = cli_option_text(call->arena, p);
-        printf("  %-22s ", rp_text(call->arena, "%s%s", cli_dashes(p), p->name));
-        print_words(text, strlen(text), 25, 25);
-        putchar('\n');
+        fprintf(call->out, "  %-22s ", rp_text(call->arena, "%s%s", cli_dashes(p), p->name));
+        print_words(call->out, text, strlen(text), 25, 25);
+        fputc('\n', call->out);
     }
-    printf("  %-22s this text\n\n", "--help");
+    fprintf(call->out, "  %-22s this text\n\n", "--help");
     if (c->refuses) {
-        puts("refuses:");
-        print_lines(c->refuses, "  ", "");
-        putchar('\n');
+        fputs("refuses:\n", call->out);
+        print_lines(call->out, c->refuses, "  ", "");
+        fputc('\n', call->out);
     }
-    printf("example:\n  %s\n", c->example);
+    fprintf(call->out, "example:\n  %s\n", c->example);
 }
 
 /* ---- the options of a command ---- */
@@ -154,7 +155,7 @@ void cli_options_of(cli_call *call, const cli_command *command)
             to->name = name;
             to->offset += at[k];
         }
-    rp_params_defaults(call->options, call->values);
+    rp_params_defaults(call->options, RP_CGS, call->values);
 }
 
 /* ---- the command line ---- */
@@ -258,7 +259,7 @@ rp_status cli_parse(cli_call *call, const cli_command *command, int argc, char *
         if (p->type == RP_TEXT && !*optarg && (!p->fallback || !*p->fallback)) /* as of -o "$unset" */
             return rp_fail(RP_USAGE, "%s%s: empty; leave it out, or give a value", cli_dashes(p), p->name);
         call->given[p - call->options] = true;
-        status = rp_params_set_text(p, call->values, p->type == RP_BOOL ? "true" : optarg);
+        status = rp_params_set_text(p, RP_CGS, call->values, p->type == RP_BOOL ? "true" : optarg);
         rp_prefix(status, "%s", cli_dashes(p));
     }
     call->n_arguments = argc - optind;

@@ -16,8 +16,8 @@ rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, swee
     return status;
 }
 
-void cli_result_row(const rp_param *schema, const void *parameters, const sweep_output *outputs,
-                    const sweep_result *result)
+void cli_result_row(const cli_call *call, const rp_param *schema, const void *parameters,
+                    const sweep_output *outputs, const sweep_result *result)
 {
     const char *columns[40 + SWEEP_MAX_OUTPUTS + 1][2];
     char text[64];
@@ -26,29 +26,31 @@ void cli_result_row(const rp_param *schema, const void *parameters, const sweep_
     for (const sweep_output *p = outputs; p->name; p++, n++, n_outputs++)
         columns[n][0] = p->name, columns[n][1] = p->unit;
     columns[n][0] = "status", columns[n][1] = "";
-    rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
+    rp_table_columns(call->out, call->units, n + 1, (const char *const(*)[2])columns);
     for (const rp_param *p = schema; p && p->name; p++)
-        printf("%s\t", *rp_params_text(p, parameters, text, sizeof text) ? text : "nan");
-    rp_table_row_word(stdout, n_outputs, result->values, result->status);
+        fprintf(call->out, "%s\t", *rp_params_text(p, parameters, text, sizeof text) ? text : "nan");
+    rp_table_row_word(call->out, n_outputs, result->values, result->status);
 }
 
-void cli_print_counts(const sweep_counts *counts)
+void cli_print_counts(const cli_call *call, const sweep_counts *counts)
 {
-    rp_table_note(stdout, "planned", "%zu", counts->planned);
-    rp_table_note(stdout, "stored", "%zu", counts->stored);
-    rp_table_note(stdout, "missing", "%zu", counts->planned - counts->stored);
-    if (*counts->skipped) rp_table_note(stdout, "left out, no stores yet", "%s", counts->skipped);
+    rp_table_note(call->out, "planned", "%zu", counts->planned);
+    rp_table_note(call->out, "stored", "%zu", counts->stored);
+    rp_table_note(call->out, "missing", "%zu", counts->planned - counts->stored);
+    if (*counts->skipped) rp_table_note(call->out, "left out, no stores yet", "%s", counts->skipped);
     if (sweep_count_aborted(counts) > 0)
-        rp_table_note(stdout, "aborted", "%zu, to be tried again", sweep_count_aborted(counts));
-    rp_table_columns(stdout, 2, (const char *const[][2]){{"status", ""}, {"runs", ""}});
+        rp_table_note(call->out, "aborted", "%zu, to be tried again", sweep_count_aborted(counts));
+    rp_table_columns(call->out, RP_CGS, 2, (const char *const[][2]){{"status", ""}, {"runs", ""}});
     for (size_t i = 0; i < counts->words.n; i++)
-        printf("%s\t%.0f\n", counts->words.of[i].word, counts->words.of[i].times);
+        fprintf(call->out, "%s\t%.0f\n", counts->words.of[i].word, counts->words.of[i].times);
 }
 
 rp_status cli_sweep_export(const cli_call *call, const char *dir, unsigned what, const char *path,
                            bool replace, sweep_counts *counts)
 {
     FILE *out;
+    if (strcmp(path, "-") == 0)
+        return sweep_export(dir, sweep_protocols, what, call->line, counts, call->out);
     RP_TRY(rp_file_open(path, replace, &out));
     return rp_file_close(path, out, sweep_export(dir, sweep_protocols, what, call->line, counts, out));
 }

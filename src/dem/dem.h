@@ -147,7 +147,8 @@ typedef struct {
     double box_turn_per_step; /* the same for the walls, about the origin; gravity then keeps its direction */
     long turn_from_step;      /* of both */
     dem_kernel_choice kernel;
-    bool ledger; /* keep the energy ledger: some twenty times slower, the same bits */
+    rp_units units; /* of all numbers: for messages, tables and what follows from nothing given */
+    bool ledger;    /* keep the energy ledger: some twenty times slower, the same bits */
     size_t n_walls;
     dem_wall walls[DEM_FEW_WALLS];
     const dem_wall *wall_list; /* if not NULL, the walls are these, of any number; borrowed as the grains */
@@ -187,13 +188,13 @@ dem_definition dem_definition_default(void);
 
 /* The parameters of the list in parameters.h: at their defaults; put into a definition, "auto" resolved, all
  * but what a restitution leaves to dem_create; taken from one that makes grains of this density. */
-dem_physics dem_physics_default(void);
+dem_physics dem_physics_default(rp_units units);
 void dem_physics_apply(const dem_physics *p, dem_definition *def);
 dem_physics dem_physics_of(const dem_definition *def, double density);
 
 /* The coefficients of a wall: those given; for negative ones the grains' times the factor of the list, or
  * where these are "auto" too what follows from the wall's own. */
-dem_material dem_wall_material(const dem_material *given, const dem_physics *grains);
+dem_material dem_wall_material(rp_units units, const dem_material *given, const dem_physics *grains);
 extern const dem_material dem_material_auto; /* all negative */
 
 /* Refuse parameters that contradict one another: coefficients of the grains or a wall of a definition; those
@@ -204,7 +205,7 @@ rp_status dem_radius_check(double mean, double least, double most);
 
 /* Is there a density: one that is given, or a default? That of disks is known in cgs alone, since defaults of
  * other units are converted for spheres. Errors: RP_BAD_INPUT. */
-rp_status dem_density_check(dem_shape shape, bool given);
+rp_status dem_density_check(dem_shape shape, rp_units units, bool given);
 
 /* Floor, left and right wall of a box 0 < x < W, whole lines that never open: the definition's only walls. */
 enum { DEM_BOX_FLOOR, DEM_BOX_LEFT, DEM_BOX_RIGHT, DEM_BOX_N };
@@ -319,6 +320,7 @@ void dem_box_frame(const dem_sim *sim, double *x, double *y);
 /* Rebuild the neighbour list now: changes the trajectory by round-off at most. */
 rp_status dem_neighbours_rebuild(dem_sim *sim);
 
+rp_units dem_units(const dem_sim *sim);
 long dem_step(const dem_sim *sim);
 double dem_time(const dem_sim *sim);
 size_t dem_count(const dem_sim *sim); /* grains still there */

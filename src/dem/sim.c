@@ -250,6 +250,11 @@ dem_fault dem_sim_fault(const dem_sim *sim)
     return sim->fault;
 }
 
+rp_units dem_units(const dem_sim *sim)
+{
+    return sim->def.units;
+}
+
 long dem_step(const dem_sim *sim)
 {
     return sim->step;

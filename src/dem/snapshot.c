@@ -40,7 +40,8 @@ static void check_numbers(rp_snapshot *s, const dem_sim *sim)
     const dem_definition *def = &sim->def;
     const unsigned words[][2] = {{def->kernel, DEM_KERNELS},
                                  {def->implicit.solver, DEM_SOLVER_SOR + 1},
-                                 {def->ground.set, DEM_WELL_AGAIN + 1}};
+                                 {def->ground.set, DEM_WELL_AGAIN + 1},
+                                 {def->units, RP_SIGMA + 1}};
     if (s->status || !s->path) return;
     bool known = dem_words_known(def);
     for (size_t k = 0; k < sizeof words / sizeof *words; k++) known &= words[k][0] < words[k][1];

@@ -359,11 +359,11 @@ void exp_series_write(const exp_run *run, size_t k, FILE *out)
     const exp_samples *s = &run->samples[number];
     const exp_measure *m = &run->plan->measures[number];
     if (s->sums) {
-        m->module->write(m->params, s->taken, s->sums, out);
+        m->module->write(m->params, run->plan->scene.def.units, s->taken, s->sums, out);
         return;
     }
-    const char *const columns[][2] = {{"step", ""}, {"time", rp_unit("s")}, {m->name, m->series_unit}};
-    rp_table_columns(out, 3, columns);
+    const char *const columns[][2] = {{"step", ""}, {"time", "s"}, {m->name, m->series_unit}};
+    rp_table_columns(out, run->plan->scene.def.units, 3, columns);
     for (const exp_sampled *at = s->at; at < s->at + s->n; at++)
         rp_table_row(out, 3, (double[]){at->step, at->time, at->value});
 }

@@ -293,7 +293,7 @@ rp_status exp_read_keys(const config_setting_t *group, const char *within, const
         if (!keys->range || !e->x.known) continue;
         snprintf(name, sizeof name, "%s%s", within, keys->key);
         const rp_param param = {.name = name, .unit = "", .type = RP_REAL, .range = keys->range};
-        if (rp_params_set(&param, &number, &(rp_value){.kind = RP_V_REAL, .r = e->x.value}))
+        if (rp_params_set(&param, RP_CGS, &number, &(rp_value){.kind = RP_V_REAL, .r = e->x.value}))
             return rp_config_fail(setting, "%s", rp_message());
     }
     return RP_OK;

@@ -153,7 +153,7 @@ static rp_status read(exp_plan *plan)
     RP_TRY(read_walls(plan));
     RP_TRY(exp_name_phases(plan));
     RP_TRY(read_regions(plan));
-    rp_params_defaults(rest_schema, plan);
+    rp_params_defaults(rest_schema, plan->scene.def.units, plan);
     if (rest) RP_TRY(rp_config_group(rest, rest_schema, plan, NULL));
     RP_TRY(exp_name_measures(plan));
     for (size_t k = 0; k < plan->n_phases; k++) RP_TRY(exp_read_phase(plan, k));

@@ -112,7 +112,7 @@ static rp_status read_module(exp_plan *plan, const config_setting_t *setting, ex
                               m->module->name, rp_guess_text(&guess));
     m->params = rp_arena_memory(&plan->arena, 1, m->module->size);
     if (!m->params) return RP_NO_MEMORY;
-    rp_params_defaults(m->module->schema, m->params);
+    rp_params_defaults(m->module->schema, plan->scene.def.units, m->params);
     RP_TRY(rp_config_peek(setting, m->module->schema, NULL, m->params));
     const rp_param *from = rp_params_find(m->module->schema, "from"),
                    *to = rp_params_find(m->module->schema, "to");
@@ -189,28 +189,31 @@ static rp_status read_when(exp_plan *plan, exp_measure *m)
 }
 
 /* The unit of an observable that stands alone; NULL: it is another expression. */
-static const char *unit_named(const char *of)
+static const char *unit_named(rp_units units, const char *of)
 {
     const char *dot = of ? strchr(of, '.') : NULL;
     const exp_observable *o = of ? exp_observable_named(dot ? dot + 1 : of, ~(unsigned)OF_NEW) : NULL;
-    return o ? rp_unit(o->unit) : NULL;
+    return o ? rp_unit(units, o->unit) : NULL;
 }
 
 /* That of a sample. */
-static const char *sampled_unit(const exp_measure *m, const char *of)
+static const char *sampled_unit(rp_units units, const exp_measure *m, const char *of)
 {
-    return !m->module ? unit_named(of) : m->pick >= 0 ? rp_unit(m->module->outputs[m->pick].unit) : "";
+    return !m->module     ? unit_named(units, of)
+           : m->pick >= 0 ? rp_unit(units, m->module->outputs[m->pick].unit)
+                          : "";
 }
 
 /* The unit of a column of what is made of samples: as given, or of `of`, over time where it is a rate; over
  * that of `against` where it is a rise. */
 static const char *unit_of(exp_plan *plan, const exp_measure *m, const char *of, const char *ending)
 {
+    const rp_units units = plan->scene.def.units;
     const config_setting_t *line = member(m->setting, "against");
     const char *against = line ? config_setting_get_string(line) : NULL,
-               *unit = *m->unit ? m->unit : sampled_unit(m, of), *over = "";
-    if (m->take == TAKE_RATE && !*m->unit) over = rp_unit("s");
-    if (m->take == TAKE_LINE && strncmp(ending, "_1", 2) == 0) over = unit_named(against);
+               *unit = *m->unit ? m->unit : sampled_unit(units, m, of), *over = "";
+    if (m->take == TAKE_RATE && !*m->unit) over = rp_unit(units, "s");
+    if (m->take == TAKE_LINE && strncmp(ending, "_1", 2) == 0) over = unit_named(units, against);
     if (!unit || !over || strcmp(ending, "_n") == 0) return "";
     return *over ? rp_text(&plan->arena, "%s/%s", *unit ? unit : "1", over) : unit;
 }
@@ -224,13 +227,15 @@ static rp_status name_outputs(exp_plan *plan, exp_measure *m)
     for (char *c = of; c && (c = strpbrk(c, "\n\r\t"));) *c = ' '; /* a meaning is one line */
     m->output = plan->n_outputs;
     for (const exp_output *o = all ? m->module->outputs : takes[m->take]; o->name; o++)
-        RP_TRY(add_output(plan, m, o->name, all ? rp_unit(o->unit) : unit_of(plan, m, given, o->name),
+        RP_TRY(add_output(plan, m, o->name,
+                          all ? rp_unit(plan->scene.def.units, o->unit) : unit_of(plan, m, given, o->name),
                           all ? o->meaning
                               : rp_text(&plan->arena, "%s%s%s, %s %s", o->meaning, *o->meaning ? " of " : "",
                                         of ? of : "a number", *m->during ? "during" : "at the end of",
                                         plan->phases[m->phase].name)));
     m->n_outputs = plan->n_outputs - m->output;
-    m->series_unit = *m->unit && m->take != TAKE_RATE ? m->unit : sampled_unit(m, given);
+    m->series_unit =
+        *m->unit && m->take != TAKE_RATE ? m->unit : sampled_unit(plan->scene.def.units, m, given);
     if (!m->series_unit) m->series_unit = "";
     return RP_OK;
 }
@@ -239,7 +244,8 @@ static rp_status name_outputs(exp_plan *plan, exp_measure *m)
 static rp_status check_columns(const exp_plan *plan, const exp_measure *m)
 {
     const config_setting_t *names = member(m->setting, "columns");
-    if (rp_unit_check(m->unit)) return rp_config_fail(member(m->setting, "unit"), "%s", rp_message());
+    if (rp_unit_check(plan->scene.def.units, m->unit))
+        return rp_config_fail(member(m->setting, "unit"), "%s", rp_message());
     if (!names) return RP_OK;
     bool good = !config_setting_is_group(names) && length(names) > 0 && length(names) <= EXP_MODULE_OUTPUTS;
     for (size_t k = 0; k < length(names); k++) good &= config_setting_get_string(element(names, k)) != NULL;
@@ -268,7 +274,7 @@ static rp_status name_measure(exp_plan *plan, const config_setting_t *setting, e
 {
     const char *others = "of when if event columns against";
     *m = (exp_measure){.setting = setting};
-    rp_params_defaults(exp_measure_schema, m);
+    rp_params_defaults(exp_measure_schema, plan->scene.def.units, m);
     if (!config_setting_is_group(setting))
         return rp_config_fail(setting, "measure: a list ( { ... } ) expected");
     RP_TRY(read_module(plan, setting, m));

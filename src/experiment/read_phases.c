@@ -240,7 +240,7 @@ static rp_status name_phase(exp_plan *plan, const config_setting_t *setting, siz
     exp_phase *p = &plan->phases[plan->n_phases];
     const config_setting_t *add = member(setting, "add"), *kind = add ? member(add, "kind") : NULL;
     *p = (exp_phase){.setting = setting, .block = block, .ending = EXP_UNTIL};
-    rp_params_defaults(exp_phase_schema, p);
+    rp_params_defaults(exp_phase_schema, plan->scene.def.units, p);
     RP_TRY(rp_config_group(setting, exp_phase_schema, p, has_inner ? "if until phases" : by_hand));
     if (block != SIZE_MAX && !member(setting, "mark")) p->mark = false;
     if (!exp_is_word(p->name))

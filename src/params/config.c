@@ -91,6 +91,14 @@ static const char *path_within(const config_setting_t *setting)
     return setting && *text ? strcat(text, ".") : "";
 }
 
+rp_units rp_config_units(const config_setting_t *setting)
+{
+    const char *word = NULL;
+    while (config_setting_parent(setting)) setting = config_setting_parent(setting);
+    config_setting_lookup_string(setting, "units", &word);
+    return rp_units_find(word);
+}
+
 rp_status rp_config_unknown(const config_setting_t *setting, const rp_param *schema, const char *others,
                             const char *more)
 {
@@ -147,9 +155,12 @@ static rp_status set_computed(const config_setting_t *setting, const rp_param *p
     if (!isfinite(is.value) && param->type == RP_REAL) { /* what is infinite has its word, if there is one */
         char spelt[64];
         rp_params_text(&(rp_param){.type = RP_REAL, .range = param->range}, &is.value, spelt, sizeof spelt);
-        return rp_params_set_text(param, values, *spelt ? spelt : is.value > 0.0 ? "inf" : "-inf");
+        return rp_params_set_text(param, rp_config_units(setting), values,
+                                  *spelt           ? spelt
+                                  : is.value > 0.0 ? "inf"
+                                                   : "-inf");
     }
-    return rp_params_set(param, values, &value);
+    return rp_params_set(param, rp_config_units(setting), values, &value);
 }
 
 /* May a text stand in a cell or a header: on one line, without tabs, in UTF-8? */
@@ -180,7 +191,7 @@ rp_status rp_config_value(const config_setting_t *setting, const rp_param *param
     if (param->type == RP_TEXT && value.kind == RP_V_TEXT && !is_plain(value.s))
         return rp_config_fail(setting, "%s%s: a text on one line, without tabs, in UTF-8 expected",
                               path_within(setting), param->name);
-    rp_status status = rp_params_set(param, values, &value);
+    rp_status status = rp_params_set(param, rp_config_units(setting), values, &value);
     if (status && value.kind == RP_V_TEXT) {
         status = set_computed(setting, param, values, value.s);
         if (status && status != RP_NO_RESULT)

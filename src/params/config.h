@@ -21,6 +21,9 @@ rp_status rp_config_read_text(const char *name, const char *text, config_t *conf
 rp_status rp_config_scan_file(const char *path);
 rp_status rp_config_scan_text(const char *name, const char *text);
 
+/* The units of the numbers in a setting's text, its key `units`: cgs where it has none. */
+rp_units rp_config_units(const config_setting_t *setting);
+
 /* Read the settings of `group` into `values`, which must hold defaults. Keys that are neither in the
  * schema nor in `others` ("a b c", may be NULL; left to the caller) are errors. A required parameter that is
  * missing is an error. Texts are borrowed from the config. Errors: RP_BAD_INPUT. */

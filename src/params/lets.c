@@ -7,7 +7,6 @@
 
 #include "params/config.h"
 #include "params/settings.h"
-#include "params/units.h"
 
 /* Is a text a name, which stands for itself unless it is an earlier one's? */
 static bool is_word(const char *text)
@@ -38,7 +37,7 @@ static rp_status read_group(const config_setting_t *group, bool foreign, rp_let 
     RP_TRY(rp_config_group(group, schema, let, "value"));
     *value = member(group, "value");
     if (!*value) return rp_config_fail(group, "let.%s: value is missing", let->name);
-    return foreign || !rp_unit_check(let->unit)
+    return foreign || !rp_unit_check(rp_config_units(group), let->unit)
                ? RP_OK
                : rp_config_fail(group, "let.%s: %s", let->name, rp_message());
 }
@@ -46,7 +45,7 @@ static rp_status read_group(const config_setting_t *group, bool foreign, rp_let 
 /* Is it one of the words of a range of numbers, as in "[1, 10] | none"? */
 static bool is_word_of(const rp_param *let, const rp_value *is, double *value)
 {
-    return is->kind == RP_V_TEXT && strcmp(is->s, "auto") != 0 && !rp_params_set(let, value, is);
+    return is->kind == RP_V_TEXT && strcmp(is->s, "auto") != 0 && !rp_params_set(let, RP_CGS, value, is);
 }
 
 static rp_status read_let(const config_setting_t *root, const config_setting_t *value, rp_let let,
@@ -72,7 +71,7 @@ static rp_status read_let(const config_setting_t *root, const config_setting_t *
     let.computed = is.kind == RP_V_TEXT && !(let.is.type == RP_X_WORD && strcmp(let.is.word, is.s) == 0);
     if (*let.range && let.is.type == RP_X_NUMBER && !word && !infinite) {
         double checked; /* units are the text's own */
-        RP_TRY(rp_params_set(&param, &checked, &(rp_value){.kind = RP_V_REAL, .r = let.is.value}));
+        RP_TRY(rp_params_set(&param, RP_CGS, &checked, &(rp_value){.kind = RP_V_REAL, .r = let.is.value}));
     }
     lets->lets[lets->n++] = let;
     return RP_OK;

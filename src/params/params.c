@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "params/guess.h"
-#include "params/units.h"
 
 #define DECIMAL "+-.0123456789eE" /* characters of plain decimal numbers */
 
@@ -87,7 +86,7 @@ const rp_param *rp_params_find(const rp_param *schema, const char *name)
     return NULL;
 }
 
-void rp_params_default(const rp_param *param, void *values)
+void rp_params_default(const rp_param *param, rp_units units, void *values)
 {
     static const size_t sizes[] = {
         [RP_REAL] = sizeof(double), [RP_INT] = sizeof(long),    [RP_BOOL] = sizeof(bool),
@@ -95,14 +94,14 @@ void rp_params_default(const rp_param *param, void *values)
     void *field = (char *)values + param->offset;
     memset(field, 0, sizes[param->type]);
     if (!param->fallback || param->type == RP_TEXTS) return;
-    rp_params_set_text(param, values, param->fallback);
+    rp_params_set_text(param, units, values, param->fallback);
     if (param->type == RP_REAL && strspn(param->fallback, DECIMAL) == strlen(param->fallback))
-        *(double *)field = rp_units_value(param->unit, *(double *)field);
+        *(double *)field = rp_units_value(units, param->unit, *(double *)field);
 }
 
-void rp_params_defaults(const rp_param *schema, void *values)
+void rp_params_defaults(const rp_param *schema, rp_units units, void *values)
 {
-    for (; schema->name; schema++) rp_params_default(schema, values);
+    for (; schema->name; schema++) rp_params_default(schema, units, values);
 }
 
 static rp_status wrong_type(const rp_param *param, const rp_value *value, const char *wanted)
@@ -118,7 +117,7 @@ static rp_status wrong_type(const rp_param *param, const rp_value *value, const 
                    param->range && *param->range ? ", allowed: " : "", param->range ? param->range : "");
 }
 
-static rp_status set_number(const rp_param *param, void *field, const rp_value *value)
+static rp_status set_number(const rp_param *param, rp_units units, void *field, const rp_value *value)
 {
     const numeric_range range = parse_range(param->range);
     const bool whole = param->type == RP_INT;
@@ -131,7 +130,7 @@ static rp_status set_number(const rp_param *param, void *field, const rp_value *
         return rp_fail(RP_BAD_INPUT, "%s = %g: a finite number expected", param->name, v);
     else if (!in_range(&range, v))
         return rp_fail(RP_BAD_INPUT, "%s = %.15g: out of range, allowed: %s%s%s", param->name, v,
-                       param->range, *param->unit ? " " : "", rp_unit(param->unit));
+                       param->range, *param->unit ? " " : "", rp_unit(units, param->unit));
     if (whole)
         *(long *)field = value->kind == RP_V_INT ? value->i : -1;
     else
@@ -162,12 +161,12 @@ static rp_status add_text(const rp_param *param, rp_texts *texts, const rp_value
     return RP_OK;
 }
 
-rp_status rp_params_set(const rp_param *param, void *values, const rp_value *value)
+rp_status rp_params_set(const rp_param *param, rp_units units, void *values, const rp_value *value)
 {
     void *field = (char *)values + param->offset;
     switch (param->type) {
     case RP_REAL:
-    case RP_INT: return set_number(param, field, value);
+    case RP_INT: return set_number(param, units, field, value);
     case RP_CHOICE: return set_word(param, field, value);
     case RP_TEXTS: return add_text(param, field, value);
     case RP_BOOL:
@@ -182,7 +181,7 @@ rp_status rp_params_set(const rp_param *param, void *values, const rp_value *val
     return rp_fail(RP_BROKEN, "%s: unknown type", param->name);
 }
 
-rp_status rp_params_set_text(const rp_param *param, void *values, const char *text)
+rp_status rp_params_set_text(const rp_param *param, rp_units units, void *values, const char *text)
 {
     rp_value v = {.kind = RP_V_TEXT, .s = text};
     char *end;
@@ -191,12 +190,13 @@ rp_status rp_params_set_text(const rp_param *param, void *values, const char *te
     if (*text && (param->type == RP_INT || param->type == RP_REAL)) {
         errno = 0;
         const long i = strtol(text, &end, 10);
-        if (!*end && errno == 0) return rp_params_set(param, values, &(rp_value){.kind = RP_V_INT, .i = i});
+        if (!*end && errno == 0)
+            return rp_params_set(param, units, values, &(rp_value){.kind = RP_V_INT, .i = i});
         const double r = strtod(text, &end);
         /* strtod also reads "inf" and hexadecimal: only plain decimal numbers are meant */
         if (!*end && strspn(text, DECIMAL) == strlen(text)) v = (rp_value){.kind = RP_V_REAL, .r = r};
     }
-    return rp_params_set(param, values, &v);
+    return rp_params_set(param, units, values, &v);
 }
 
 const char *rp_text_below(double bound, char buffer[32])
@@ -268,7 +268,7 @@ static bool is_default(const rp_param *param, const char *text)
     } value;
     char shown[256];
     alone.offset = 0;
-    return param->fallback && !rp_params_set_text(&alone, &value, param->fallback) &&
+    return param->fallback && !rp_params_set_text(&alone, RP_CGS, &value, param->fallback) &&
            strcmp(rp_params_text(&alone, &value, shown, sizeof shown), text) == 0;
 }
 

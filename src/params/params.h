@@ -8,6 +8,7 @@
 #include <xxhash.h>
 
 #include "core/status.h"
+#include "params/units.h"
 
 RP_C_BEGIN
 
@@ -54,19 +55,19 @@ typedef struct {
 /* Entry called `name`, or NULL. */
 const rp_param *rp_params_find(const rp_param *schema, const char *name);
 
-/* Write every default, in the system of units that holds (units.h); parameters without one become zero. */
-void rp_params_default(const rp_param *param, void *values);
-void rp_params_defaults(const rp_param *schema, void *values);
+/* Write every default, in a system of units; parameters without one become zero. */
+void rp_params_default(const rp_param *param, rp_units units, void *values);
+void rp_params_defaults(const rp_param *schema, rp_units units, void *values);
 
 /* Is it a range of numbers, from the lower end to the upper, as "[0, 1)" or "(0, inf) | infinite"? */
 bool rp_range_is_whole(const char *text);
 
-/* Check `value` against `param` and store it. Errors: RP_BAD_INPUT for a wrong type, a number out of range or
- * not finite, an unknown word. */
-rp_status rp_params_set(const rp_param *param, void *values, const rp_value *value);
+/* Check `value` against `param` and store it. Errors, with the label of these units: RP_BAD_INPUT for a wrong
+ * type, a number out of range or not finite, an unknown word. */
+rp_status rp_params_set(const rp_param *param, rp_units units, void *values, const rp_value *value);
 
 /* The same check for a text from the command line. Errors: RP_BAD_INPUT. */
-rp_status rp_params_set_text(const rp_param *param, void *values, const char *text);
+rp_status rp_params_set_text(const rp_param *param, rp_units units, void *values, const char *text);
 
 /* The shortest decimal form of at least `digits` significant digits that reads back to the same bits, or
  * "nan". Numbers of up to `digits` digits before the point have no exponent. At most 24 bytes; returns

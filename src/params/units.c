@@ -12,7 +12,6 @@
     "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ\xc2\xb5" /* and the two bytes of a micro sign */
 
 static const char *const words[] = {"cgs", "si", "sigma"};
-static _Thread_local rp_units now = RP_CGS;
 
 /* A label in each system, and its powers of length, time and mass. */
 static const struct {
@@ -34,19 +33,9 @@ static const struct {
              {{"erg", "J", "m g sigma"}, 2, -2, 1}};
 enum { N_UNITS = sizeof units / sizeof *units };
 
-void rp_units_set(rp_units system)
+const char *rp_units_word(rp_units system)
 {
-    now = system;
-}
-
-rp_units rp_units_now(void)
-{
-    return now;
-}
-
-const char *rp_units_word(void)
-{
-    return words[now];
+    return words[system];
 }
 
 rp_units rp_units_find(const char *word)
@@ -63,10 +52,10 @@ static size_t find(const char *cgs)
     return i;
 }
 
-const char *rp_unit(const char *cgs)
+const char *rp_unit(rp_units system, const char *cgs)
 {
-    const size_t i = now == RP_CGS ? N_UNITS : find(cgs);
-    return i < N_UNITS ? units[i].label[now] : cgs;
+    const size_t i = system == RP_CGS ? N_UNITS : find(cgs);
+    return i < N_UNITS ? units[i].label[system] : cgs;
 }
 
 const char *rp_unit_label(size_t k)
@@ -75,7 +64,7 @@ const char *rp_unit_label(size_t k)
 }
 
 /* Has a label a unit that the system lacks? m, g, t, h and d are left alone: mass, gravity, height. */
-static bool is_foreign(const char *label)
+static bool is_foreign(rp_units system, const char *label)
 {
     static const char others[] =
         " nm um µm mm km inch ft ug mg us ms min rpm kHz mN kN mJ kJ hPa kPa MPa GPa bar atm ",
@@ -84,33 +73,33 @@ static bool is_foreign(const char *label)
     for (size_t n; *label; label += n + strcspn(label + n, LETTERS)) {
         n = strspn(label, LETTERS);
         snprintf(word, sizeof word, " %.*s ", (int)n, label);
-        if (n > 0 && (strstr(others, word) || strstr(of_systems[now], word))) return true;
+        if (n > 0 && (strstr(others, word) || strstr(of_systems[system], word))) return true;
     }
     return false;
 }
 
-rp_status rp_unit_check(const char *label)
+rp_status rp_unit_check(rp_units system, const char *label)
 {
     static const char *const of_system[] = {"cm, g, s, dyn, erg", "m, kg, s, N, J, Pa", "sigma, m, |g|"};
-    const char *meant = is_foreign(label) ? of_system[now] : label;
+    const char *meant = is_foreign(system, label) ? of_system[system] : label;
     for (size_t i = 0; i < N_UNITS; i++) {
         const char *const *const of = units[i].label;
-        if (strcmp(of[now], label) == 0) return RP_OK;
-        if (strcmp(of[RP_CGS], label) == 0 || strcmp(of[RP_SI], label) == 0) meant = of[now];
+        if (strcmp(of[system], label) == 0) return RP_OK;
+        if (strcmp(of[RP_CGS], label) == 0 || strcmp(of[RP_SI], label) == 0) meant = of[system];
     }
     return meant == label
                ? RP_OK
-               : rp_fail(RP_BAD_INPUT, "unit = %s: the text's units are %s; %s", label, words[now], meant);
+               : rp_fail(RP_BAD_INPUT, "unit = %s: the text's units are %s; %s", label, words[system], meant);
 }
 
-double rp_units_value(const char *cgs, double number)
+double rp_units_value(rp_units system, const char *cgs, double number)
 {
-    const size_t i = now == RP_CGS ? N_UNITS : find(cgs);
+    const size_t i = system == RP_CGS ? N_UNITS : find(cgs);
     if (i == N_UNITS) return number;
     char text[32];
-    const double d = 0.2, g = 981.0, length = now == RP_SI ? 100.0 : d,
-                 time = now == RP_SI ? 1.0 : sqrt(d / g),
-                 mass = now == RP_SI ? 1000.0 : M_PI / 6.0 * d * d * d;
+    const double d = 0.2, g = 981.0, length = system == RP_SI ? 100.0 : d,
+                 time = system == RP_SI ? 1.0 : sqrt(d / g),
+                 mass = system == RP_SI ? 1000.0 : M_PI / 6.0 * d * d * d;
     snprintf(text, sizeof text, "%.12g",
              number / (rp_pow(length, units[i].length) * rp_pow(time, units[i].time) *
                        rp_pow(mass, units[i].mass)));

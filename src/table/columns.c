@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "table/columns.h"
-#include "params/units.h"
 
 static void free_table(void *table)
 {
@@ -20,9 +19,7 @@ rp_status rp_table_keep(rp_arena *arena, const char *path, char *text, rp_table 
 
 rp_status rp_table_load(rp_arena *arena, const char *path, rp_table **table)
 {
-    const rp_status status = rp_table_keep(arena, path, NULL, table);
-    rp_units_set(rp_units_find(status ? NULL : rp_table_find_note(*table, "system")));
-    return status;
+    return rp_table_keep(arena, path, NULL, table);
 }
 
 bool rp_is_result(const char *status)
@@ -212,7 +209,7 @@ void rp_column_unit(const rp_table *table, int column, char unit[32])
     snprintf(unit, 32, "%.*s", length ? length : 1, length ? units : "1");
 }
 
-rp_status rp_header_by(const rp_table *table, const char *by, const char *own)
+rp_status rp_header_by(const rp_table *table, const char *by, const char *own, FILE *out)
 {
     char text[4096], name[12], unit[32];
     int columns[MOST_BY];
@@ -224,7 +221,7 @@ rp_status rp_header_by(const rp_table *table, const char *by, const char *own)
                                  rp_column_name(table, columns[i], name), unit);
     }
     snprintf(text + used, sizeof text - used, "%s", own);
-    rp_table_header(stdout, text);
+    rp_table_header(out, rp_table_units(table), text);
     return RP_OK;
 }
 

@@ -9,8 +9,7 @@
 
 RP_C_BEGIN
 
-/* As rp_table_parse, or for a text NULL as rp_table_read; the table is freed with the arena. And a table that
- * is read, whose system of units becomes that which holds. */
+/* As rp_table_parse, or for a text NULL as rp_table_read; the table is freed with the arena. */
 rp_status rp_table_keep(rp_arena *arena, const char *path, char *text, rp_table **table);
 rp_status rp_table_load(rp_arena *arena, const char *path, rp_table **table);
 
@@ -102,7 +101,7 @@ void rp_column_unit(const rp_table *table, int column, char unit[32]);
 
 /* The header of a table whose first columns are those of the list `by` ("none": none), with their units,
  * before its own. Errors: RP_BAD_INPUT. */
-rp_status rp_header_by(const rp_table *table, const char *by, const char *own);
+rp_status rp_header_by(const rp_table *table, const char *by, const char *own, FILE *out);
 
 RP_C_END
 

@@ -10,16 +10,15 @@
 #include "core/version.h"
 #include "params/guess.h"
 #include "params/params.h"
-#include "params/units.h"
 
-void rp_table_provenance(FILE *out, const char *command)
+void rp_table_provenance(FILE *out, rp_units units, const char *command)
 {
     rp_table_note(out, "program", "repose %s, commit %s, model %d", RP_VERSION, rp_build_commit,
                   RP_MODEL_VERSION);
     rp_table_note(out, "compiler", "%s", rp_build_compiler);
     rp_table_note(out, "libraries", "%s", rp_build_libraries);
     if (command) rp_table_note(out, "command", "%s", command);
-    if (rp_units_now() != RP_CGS) rp_table_note(out, "system", "%s", rp_units_word());
+    if (units != RP_CGS) rp_table_note(out, "system", "%s", rp_units_word(units));
 }
 
 void rp_table_note(FILE *out, const char *key, const char *format, ...)
@@ -39,21 +38,22 @@ void rp_table_note_number(FILE *out, const char *key, double value, const char *
 }
 
 /* Time that a run took is in seconds in every system. */
-static const char *unit_of(const char *column, const char *cgs)
+static const char *unit_of(rp_units units, const char *column, const char *cgs)
 {
-    return *cgs ? strcmp(column, "seconds") ? rp_unit(cgs) : cgs : "1";
+    return *cgs ? strcmp(column, "seconds") ? rp_unit(units, cgs) : cgs : "1";
 }
 
-void rp_table_columns(FILE *out, size_t n, const char *const columns[][2])
+void rp_table_columns(FILE *out, rp_units units, size_t n, const char *const columns[][2])
 {
     fputs("# units: ", out);
-    for (size_t i = 0; i < n; i++) fprintf(out, "%s%s", i ? "\t" : "", unit_of(columns[i][0], columns[i][1]));
+    for (size_t i = 0; i < n; i++)
+        fprintf(out, "%s%s", i ? "\t" : "", unit_of(units, columns[i][0], columns[i][1]));
     fputc('\n', out);
     for (size_t i = 0; i < n; i++) fprintf(out, "%s%s", i ? "\t" : "", columns[i][0]);
     fputc('\n', out);
 }
 
-void rp_table_header(FILE *out, const char *columns)
+void rp_table_header(FILE *out, rp_units units, const char *columns)
 {
     for (int names = 0; names < 2; names++) {
         if (!names) fputs("# units: ", out);
@@ -63,7 +63,7 @@ void rp_table_header(FILE *out, const char *columns)
             const char *unit = memchr(c, '[', (size_t)(end - c));
             snprintf(name, sizeof name, "%.*s", (int)((unit ? unit - 1 : end) - c), c);
             snprintf(label, sizeof label, "%.*s", unit ? (int)(end - unit) - 2 : 0, unit ? unit + 1 : "");
-            fprintf(out, "%s%s", c != columns ? "\t" : "", names ? name : unit_of(name, label));
+            fprintf(out, "%s%s", c != columns ? "\t" : "", names ? name : unit_of(units, name, label));
         }
         fputc('\n', out);
     }
@@ -398,6 +398,11 @@ rp_status rp_table_find(const rp_table *table, const char *name, const char *exp
 const char *rp_table_find_note(const rp_table *table, const char *key)
 {
     return rp_table_next_note(table, key, NULL);
+}
+
+rp_units rp_table_units(const rp_table *table)
+{
+    return rp_units_find(rp_table_find_note(table, "system"));
 }
 
 const char *rp_table_next_note(const rp_table *table, const char *key, const char *previous)

@@ -9,11 +9,13 @@
 #include <stdio.h>
 
 #include "core/status.h"
+#include "params/units.h"
 
 RP_C_BEGIN
 
-/* Header lines: program, version, commit, compiler, libraries, and the command (may be NULL). */
-void rp_table_provenance(FILE *out, const char *command);
+/* Header lines: program, version, commit, compiler, libraries, the command (may be NULL), and units other
+ * than cgs. */
+void rp_table_provenance(FILE *out, rp_units units, const char *command);
 
 /* One more header line, "# key: text", of at most 8191 bytes; the end of a line becomes a blank. */
 void rp_table_note(FILE *out, const char *key, const char *format, ...) __attribute__((format(printf, 3, 4)));
@@ -21,12 +23,12 @@ void rp_table_note(FILE *out, const char *key, const char *format, ...) __attrib
 /* The header line "# key: value text", the number in its shortest form; `text` is its unit. */
 void rp_table_note_number(FILE *out, const char *key, double value, const char *text);
 
-/* The line of units and the names of the columns. `columns` holds n pairs name, unit in cgs: the
- * table has the label of the system of units that holds (units.h). */
-void rp_table_columns(FILE *out, size_t n, const char *const columns[][2]);
+/* The line of units and the names of the columns. `columns` holds n pairs name, unit in cgs: the table has
+ * the label of its units. */
+void rp_table_columns(FILE *out, rp_units units, size_t n, const char *const columns[][2]);
 
 /* The same lines from a list "name, name [unit], ...". */
-void rp_table_header(FILE *out, const char *columns);
+void rp_table_header(FILE *out, rp_units units, const char *columns);
 
 /* The cells of n numbers, without the end of the line. */
 void rp_table_numbers(FILE *out, size_t n, const double values[]);
@@ -86,6 +88,9 @@ rp_status rp_table_find(const rp_table *table, const char *name, const char *exp
  * rows. */
 const char *rp_table_find_note(const rp_table *table, const char *key);
 const char *rp_table_next_note(const rp_table *table, const char *key, const char *previous);
+
+/* The units that its header names. */
+rp_units rp_table_units(const rp_table *table);
 
 /* Is a whole text a number? */
 bool rp_text_number(const char *text, double *value);

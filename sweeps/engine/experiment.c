@@ -10,7 +10,7 @@
 #include "core/file.h"
 #include "experiment/experiment.h"
 #include "params/config.h"
-#include "params/units.h"
+#include "params/settings.h"
 #include "sweeps/engine/keep.h"
 #include "sweeps/engine/physics.h"
 #include "table/columns.h"
@@ -122,8 +122,8 @@ static rp_status begin_trace(trace *t)
     RP_TRY(rp_make_directory(t->tables->directory));
     t->passes = calloc(exp_phase_count(t->plan) + 1, sizeof *t->passes);
     if (!t->passes) return rp_fail(RP_NO_MEMORY, "run: out of memory");
-    RP_TRY(sweep_table_open(t->tables, "energy.tsv", &t->energy));
-    dem_write_columns(DEM_TABLE_ENERGY, t->tables->ledger, t->energy.out);
+    RP_TRY(sweep_table_open(t->tables, dem_units(exp_sim(t->run)), "energy.tsv", &t->energy));
+    dem_write_columns(DEM_TABLE_ENERGY, exp_sim(t->run), t->energy.out);
     return RP_OK;
 }
 
@@ -154,9 +154,10 @@ static rp_status note_phase(trace *t, long step)
 
 static rp_status write_phases(const trace *t)
 {
+    const rp_units units = dem_units(exp_sim(t->run));
     sweep_file f;
-    RP_TRY(sweep_table_open(t->tables, "phases.tsv", &f));
-    rp_table_header(f.out, "phase, passes, step, time [s]");
+    RP_TRY(sweep_table_open(t->tables, units, "phases.tsv", &f));
+    rp_table_header(f.out, units, "phase, passes, step, time [s]");
     for (size_t k = 0; k < exp_phase_count(t->plan); k++) {
         const exp_passed p = exp_phase_at(t->run, k);
         char time[32];
@@ -169,9 +170,10 @@ static rp_status write_phases(const trace *t)
 
 static rp_status write_tables(const trace *t, const void *params)
 {
+    const rp_units units = dem_units(exp_sim(t->run));
     sweep_file f;
     for (size_t k = 0; exp_series_name(t->plan, k); k++) {
-        RP_TRY(sweep_table_open(t->tables, exp_series_name(t->plan, k), &f));
+        RP_TRY(sweep_table_open(t->tables, units, exp_series_name(t->plan, k), &f));
         exp_series_write(t->run, k, f.out);
         RP_TRY(sweep_table_close(&f, RP_OK));
     }
@@ -179,7 +181,7 @@ static rp_status write_tables(const trace *t, const void *params)
     RP_TRY(sweep_state_write(t->tables, exp_sim(t->run), exp_steps(t->run), "end"));
     const dem_text *text = &experiment_of(params)->text; /* of this run, for `repose run` */
     if (text->lets.foreign) return RP_OK;                /* other units than the text's */
-    RP_TRY(sweep_table_open(t->tables, "scene.cfg", &f));
+    RP_TRY(sweep_table_open(t->tables, units, "scene.cfg", &f));
     dem_text_write(text, t->seed, t->stream, f.out);
     return sweep_table_close(&f, RP_OK);
 }
@@ -392,14 +394,18 @@ rp_status sweep_protocol_open(const sweep_protocol *of, const char *path, const 
         return rp_fail(RP_BAD_INPUT, "%s: has no phases; a sweep needs an experiment", path);
     RP_TRY(refuse_files(e));
     RP_TRY(exp_read(&e->text, &e->plan));
+    e->protocol.units = rp_config_units(config_root_setting(&e->text.config));
     return describe(e);
 }
 
 void sweep_protocol_in(const sweep_protocol *p, rp_units units)
 {
-    if (!p->context) return;
-    open_in(p)->text.lets.foreign |= units != rp_units_now();
-    rp_units_set(units);
+    experiment *e = open_in(p);
+    if (!e || units == p->units) return;
+    config_setting_t *root = config_root_setting(&e->text.config), *key = member(root, "units");
+    if (!key) key = config_setting_add(root, "units", CONFIG_TYPE_STRING);
+    config_setting_set_string(key, rp_units_word(units));
+    e->protocol.units = units, e->text.lets.foreign = true;
 }
 
 void sweep_protocol_also(const sweep_protocol *p, const char *name)

@@ -42,7 +42,7 @@ static setting start_from(dem_tangential_law law)
 {
     setting s = {.ground = {.mu_static = 0.4, .a = 0.004, .set = DEM_WELL_REST},
                  .implicit = dem_definition_default().implicit};
-    rp_params_defaults(schema, &s);
+    rp_params_defaults(schema, RP_CGS, &s);
     s.hard.restitution = 0.3;
     s.hard.mu = 0.2;
     s.physics.tangential = law;

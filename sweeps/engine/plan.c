@@ -67,10 +67,8 @@ static rp_status read_head(const char *file, const config_setting_t *root,
         return rp_fail(RP_BAD_INPUT, "%s: protocol or experiment: missing (kind of experiment), allowed: %s",
                        file, names);
     *h = (head){0};
-    rp_params_defaults(schema, h);
-    rp_status status = rp_config_group(root, schema, h, "fixed grid derive trace model");
-    rp_units_set((rp_units)h->units);
-    if (status) return status;
+    rp_params_defaults(schema, RP_CGS, h);
+    RP_TRY(rp_config_group(root, schema, h, "fixed grid derive trace model"));
     const bool text = *h->experiment || protocols[h->protocol]->text;
     const config_setting_t *set = config_setting_get_member(root, "set"),
                            *units = config_setting_get_member(root, "units"),
@@ -125,7 +123,7 @@ static rp_status open_experiment(const char *file, const head *h, sweep_plan *pl
         return rename_text(config_lookup(&plan->config, "experiment"), "experiment.cfg", &plan->text);
     }
     RP_TRY(rp_prefix(sweep_protocol_open(plan->protocol, NULL, &h->set, &plan->protocol), "%s: ", file));
-    if (units && rp_units_now() == RP_SIGMA && h->units != RP_SIGMA)
+    if (units && plan->protocol->units == RP_SIGMA && h->units != RP_SIGMA)
         return rp_config_fail(units, "units: protocol %s is in sigma, without a unit of length",
                               plan->protocol->name);
     if (units) sweep_protocol_in(plan->protocol, (rp_units)h->units);
@@ -151,7 +149,7 @@ static rp_status find_param(const sweep_plan *plan, const config_setting_t *sett
 
 static rp_status read_fixed(const sweep_plan *plan, const config_setting_t *fixed, void *values)
 {
-    rp_params_defaults(plan->protocol->schema, values);
+    rp_params_defaults(plan->protocol->schema, plan->protocol->units, values);
     if (fixed && !config_setting_is_group(fixed))
         return rp_config_fail(fixed, "fixed: a group { key = ...; } expected");
     for (int i = 0; i < length(fixed); i++) {
@@ -309,10 +307,7 @@ static XXH64_hash_t hash_outputs(const sweep_protocol *protocol)
 static rp_status find_model(sweep_plan *plan)
 {
     char fingerprint[33] = "";
-    const rp_units units = rp_units_now();
-    rp_units_set(RP_CGS); /* a fingerprint is of the physics, not of the units */
     rp_status status = plan->protocol->fingerprint ? plan->protocol->fingerprint(fingerprint) : RP_OK;
-    rp_units_set(units);
     snprintf(plan->model, sizeof plan->model, "%s %d %s", plan->protocol->name, RP_MODEL_VERSION,
              fingerprint);
     return status;

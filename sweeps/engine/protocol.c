@@ -26,13 +26,13 @@ rp_status sweep_conclude(sweep_result *result, const char *status, const char *f
     return rp_is_result(status) ? RP_OK : RP_NO_RESULT;
 }
 
-rp_status sweep_table_open(const sweep_tables *t, const char *name, sweep_file *file)
+rp_status sweep_table_open(const sweep_tables *t, rp_units units, const char *name, sweep_file *file)
 {
     *file = (sweep_file){.out = NULL};
     RP_TRY(rp_path(&file->memory, &file->path, "%s/%s", t->directory, name));
     const rp_status status = rp_file_open(file->path, true, &file->out);
     if (status) return rp_arena_release(&file->memory, NULL), status;
-    t->header(t->context, file->out);
+    t->header(t->context, units, file->out);
     return RP_OK;
 }
 
@@ -54,8 +54,8 @@ rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, long
         char name[64];
         sweep_file f;
         snprintf(name, sizeof name, "%s_%s.tsv", stage, list[i].name);
-        RP_TRY(sweep_table_open(tables, name, &f));
-        dem_write_columns(list[i].table, false, f.out);
+        RP_TRY(sweep_table_open(tables, dem_units(sim), name, &f));
+        dem_write_columns(list[i].table, sim, f.out);
         RP_TRY(sweep_table_close(&f, dem_write_rows(list[i].table, sim, step, f.out)));
     }
     return RP_OK;
@@ -78,9 +78,9 @@ rp_status sweep_each_word(const rp_param *schema, void *params,
         rp_params_text(p, params, before, sizeof before);
         for (int i = 0; *rp_word_at(words, i, word, sizeof word); i++) {
             if (strcmp(word, before) == 0) continue;
-            RP_TRY(rp_params_set_text(p, params, word));
+            RP_TRY(rp_params_set_text(p, RP_CGS, params, word));
             RP_TRY(visit(p, word, context));
-            RP_TRY(rp_params_set_text(p, params, before));
+            RP_TRY(rp_params_set_text(p, RP_CGS, params, before));
         }
     }
     return RP_OK;

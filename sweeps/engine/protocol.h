@@ -33,9 +33,10 @@ typedef struct {
 
 /* Where a traced run leaves tables of its states, and what keeps a run for a process that resumes it. */
 typedef struct {
-    const char *directory;                       /* NULL: no tables */
-    long every;                                  /* steps from one row of energies to the next; 0: none */
-    void (*header)(const void *context, FILE *); /* writes the first lines of each table */
+    const char *directory; /* NULL: no tables */
+    long every;            /* steps from one row of energies to the next; 0: none */
+    /* Writes the first lines of each table. */
+    void (*header)(const void *context, rp_units units, FILE *out);
     const void *context;
     bool ledger;             /* the energies with the ledger */
     struct sweep_keep *keep; /* NULL: none. Protocols without snapshots ignore it. */
@@ -47,6 +48,7 @@ typedef struct {
     const rp_param *schema;      /* of the structure below; each parameter has a default */
     size_t params_size;          /* bytes of the structure that the schema fills */
     const sweep_output *outputs; /* ended by a NULL name; at most SWEEP_MAX_OUTPUTS */
+    rp_units units;              /* of parameters and outputs */
 
     /* Refuse combinations of parameters that can't work, before anything runs: a time step too large, a
      * box without grains. Errors: RP_BAD_INPUT. */
@@ -88,7 +90,7 @@ typedef struct {
     const char *path;
     FILE *out;
 } sweep_file;
-rp_status sweep_table_open(const sweep_tables *tables, const char *name, sweep_file *file);
+rp_status sweep_table_open(const sweep_tables *tables, rp_units units, const char *name, sweep_file *file);
 rp_status sweep_table_close(sweep_file *file, rp_status status);
 
 /* Tables <stage>_grains.tsv, <stage>_contacts.tsv and <stage>_walls.tsv of the present state; none if

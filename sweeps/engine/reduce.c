@@ -106,7 +106,7 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
     const char *name = basename(text);
     RP_TRY(sweep_store_count(store, plan, counts));
     RP_TRY(find_digest(plan, store, &digest));
-    rp_table_provenance(out, command);
+    rp_table_provenance(out, plan->protocol->units, command);
     rp_table_note(out, "sweep", "%s, protocol %s, seed %lu, %zu grid points x %zu replicas%s", text,
                   plan->protocol->name, plan->seed, plan->n_points, plan->replicas,
                   plan->shared_piles ? ", shared piles" : "");
@@ -124,7 +124,7 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
         if (!sweep_plan_is_axis(plan, p))
             rp_table_note(out, p->name, "%s%s%s",
                           rp_params_text(p, sweep_plan_point(plan, 0), text, sizeof text),
-                          *p->unit ? " " : "", rp_unit(p->unit));
+                          *p->unit ? " " : "", rp_unit(plan->protocol->units, p->unit));
     return RP_OK;
 }
 
@@ -154,7 +154,7 @@ static rp_status write_columns(const table *t)
                        reduce && k == SWEEP_STATISTICS - 1 ? "" : o[i].unit);
     fputs(reduce ? "n, n_failed, failed_for" : "seconds [s]", list);
     fclose(list);
-    rp_table_header(t->out, text);
+    rp_table_header(t->out, t->plan->protocol->units, text);
     free(text);
     return RP_OK;
 }

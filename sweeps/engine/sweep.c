@@ -195,14 +195,12 @@ static rp_status plan_again(sweep_folder *f, const sweep_protocol *const *protoc
 {
     RP_ENDS(sweep_plan_free) sweep_plan before = {0};
     char hash[33];
-    const rp_units units = rp_units_now();
     RP_TRY(sweep_store_note(f->store, "main", "plan", hash, sizeof hash));
     const char *text = sweep_protocol_bytes(f->plan.protocol), *was = NULL;
     const bool other = text && *hash && strcmp(hash, f->plan.hash) != 0;
     if (other && !sweep_plan_read(f->cfg, protocols, &before)) was = sweep_protocol_bytes(before.protocol);
-    const bool known = was && strcmp(text, was) != 0 && rp_units_now() == units &&
+    const bool known = was && strcmp(text, was) != 0 && before.protocol->units == f->plan.protocol->units &&
                        !sweep_plan_replicate(&before, f->plan.replicas);
-    rp_units_set(units);
     if (other && (!was || strcmp(text, was) != 0)) RP_TRY(plan_shards(f, known ? &before : NULL, file));
     return sweep_store_write_plan(f->store, &f->plan, known ? &before : NULL, file, watch);
 }
@@ -470,7 +468,7 @@ static void free_plan(void *plan)
 }
 
 rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row,
-                      const sweep_tables *tables, rp_arena *arena, const sweep_output **outputs,
+                      const sweep_tables *tables, rp_arena *arena, const sweep_protocol **protocol,
                       sweep_result *result)
 {
     static const sweep_tables none = {0};
@@ -481,7 +479,7 @@ rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, 
     RP_NEW(arena, plan, 1);
     rp_arena_keep(arena, plan, free_plan);
     RP_TRY(sweep_plan_read(file, protocols, plan));
-    *outputs = plan->protocol->outputs;
+    *protocol = plan->protocol;
     if (row >= plan->n_runs)
         return rp_fail(RP_BAD_INPUT, "row = %zu: out of range, allowed: [0, %zu], the runs of %s", row,
                        plan->n_runs - 1, file);

@@ -146,12 +146,12 @@ rp_status sweep_has(const char *file, const sweep_protocol *const *protocols, co
 rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, char digest[33],
                        size_t *n_rows);
 
-/* Make run number `row` of a sweep `file` again, in this process, and leave its tables. Sets *outputs, names
- * and units in an arena, and *result. tables may be NULL. With tables->keep, whose path, interval and stop
+/* Make run number `row` of a sweep `file` again, in this process, and leave its tables. Sets *protocol,
+ * which lives in the arena, and *result. tables may be NULL. With tables->keep, whose path, interval and stop
  * are set, the run resumes from there. Errors: RP_BAD_INPUT (the file, a row it does not have, the snapshot
  * of another run), RP_STOPPED, RP_IO, the protocol's. */
 rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row,
-                      const sweep_tables *tables, rp_arena *arena, const sweep_output **outputs,
+                      const sweep_tables *tables, rp_arena *arena, const sweep_protocol **protocol,
                       sweep_result *result);
 
 RP_C_END

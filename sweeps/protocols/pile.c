@@ -407,7 +407,7 @@ static rp_status fingerprint(char digits[33])
     static const double wells[] = {-1, 0.05};
     series all = {.hash = XXH3_createState()};
     rp_status status = all.hash ? RP_OK : rp_fail(RP_NO_MEMORY, "fingerprint: out of memory");
-    rp_params_defaults(sweep_pile_schema, &all.p);
+    rp_params_defaults(sweep_pile_schema, RP_CGS, &all.p);
     all.p.base = 9;
     all.p.mu = 0.2;
     all.p.alpha_deg = 30;

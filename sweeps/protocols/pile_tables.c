@@ -42,8 +42,9 @@ rp_status sweep_pile_write_base(const sweep_solved *s, FILE *out)
     const size_t k = s->r.wells, *disk = s->disk;
     const double *N = s->N, *H = s->H;
     const double middle = (h->disks[disk[0]].x + h->disks[disk[k - 1]].x) / 2;
-    rp_table_header(out, "i, x [sigma], N/mg, H/mg, N_diagonals/mg, H_diagonals/mg, x/B, N/(chi*g*B), "
-                         "H/(chi*g*B)");
+    rp_table_header(out, RP_CGS,
+                    "i, x [sigma], N/mg, H/mg, N_diagonals/mg, H_diagonals/mg, x/B, N/(chi*g*B), "
+                    "H/(chi*g*B)");
     for (size_t i = 0; i < k; i++) {
         const double x = h->disks[disk[i]].x;
         const an_force exact = h->exact ? h->exact[i] : (an_force){NAN, NAN};
@@ -59,8 +60,9 @@ static rp_status write_contacts(const sweep_solved *s, FILE *out)
     statics_contact *list;
     size_t n;
     RP_TRY(statics_contacts(s->pile, &list, &n));
-    rp_table_header(out, "a, b, x [sigma], y [sigma], x_b [sigma], y_b [sigma], force [m g], horizontal, "
-                         "strongest, weakest");
+    rp_table_header(out, RP_CGS,
+                    "a, b, x [sigma], y [sigma], x_b [sigma], y_b [sigma], force [m g], horizontal, "
+                    "strongest, weakest");
     for (const statics_contact *c = list; c < list + n; c++)
         rp_table_row(out, 10,
                      (double[]){(double)c->a + 1, (double)c->b + 1, c->x, c->y, c->x_b, c->y_b, c->force,
@@ -76,7 +78,7 @@ static rp_status write_disks(const sweep_solved *s, FILE *out)
     RP_NEW(&memory, u, 2 * s->h->n);
     const double eps = s->r.eps;
     statics_displacements(s->pile, u);
-    rp_table_header(out, "id, x [sigma], y [sigma], r [sigma], u_x [eps sigma], u_y [eps sigma]");
+    rp_table_header(out, RP_CGS, "id, x [sigma], y [sigma], r [sigma], u_x [eps sigma], u_y [eps sigma]");
     for (size_t i = 0; i < s->h->n; i++) {
         const statics_disk *p = &s->h->disks[i];
         const double u_x = u[2 * i], u_y = u[2 * i + 1];
@@ -94,7 +96,7 @@ static rp_status write_wells(const sweep_solved *s, FILE *out)
     RP_NEW(&memory, wells, s->r.wells);
     statics_wells(s->pile, wells);
     rp_table_note(out, "x_0", "position at which a well rests; of a broken one, at which it broke");
-    rp_table_header(out, "disk, x [sigma], x_0 [sigma], x-x_0 [eps sigma], N [m g], H [m g], state");
+    rp_table_header(out, RP_CGS, "disk, x [sigma], x_0 [sigma], x-x_0 [eps sigma], N [m g], H [m g], state");
     for (const statics_well *w = wells; w < wells + s->r.wells; w++) {
         const double x = s->h->disks[w->disk].x;
         rp_table_row_word(out, 6,
@@ -118,7 +120,7 @@ rp_status sweep_pile_write(const sweep_solved *s, const sweep_tables *tables)
     RP_TRY(rp_make_directory(tables->directory));
     for (size_t i = 0; i < n; i++) {
         sweep_file f;
-        RP_TRY(sweep_table_open(tables, list[i].name, &f));
+        RP_TRY(sweep_table_open(tables, RP_CGS, list[i].name, &f));
         sweep_pile_notes(s, f.out);
         RP_TRY(sweep_table_close(&f, list[i].write(s, f.out)));
     }

@@ -148,10 +148,10 @@ static void read_param(size_t n, const char text[])
     if (rows == 0) return; /* of a text */
     const rp_param *p = &schema[row % rows];
     char *value = strndup(text + 2, n - 2);
-    rp_params_defaults(schema, values);
-    if (p->type != RP_TEXT && p->type != RP_TEXTS && rp_params_set_text(p, values, value) == RP_OK) {
+    rp_params_defaults(schema, RP_CGS, values);
+    if (p->type != RP_TEXT && p->type != RP_TEXTS && rp_params_set_text(p, RP_CGS, values, value) == RP_OK) {
         rp_params_text(p, values, first, sizeof first);
-        demand(rp_params_set_text(p, values, first) == RP_OK, "a written value is refused");
+        demand(rp_params_set_text(p, RP_CGS, values, first) == RP_OK, "a written value is refused");
         demand(strcmp(rp_params_text(p, values, second, sizeof second), first) == 0, "another value is read");
     }
     free(value);

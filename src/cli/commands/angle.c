@@ -17,8 +17,8 @@ static rp_status print_marginal(cli_call *call, const void *values)
     bool extrapolated;
     double theta_ms;
     RP_TRY(ang_marginal(o->mu, o->phi_deg * deg, &theta_ms, &extrapolated));
-    cli_table(call, stdout);
-    rp_table_header(stdout, "theta_ms_deg [deg], status");
+    cli_table(call, call->out);
+    rp_table_header(call->out, call->units, "theta_ms_deg [deg], status");
     CLI_ROW_WORD(extrapolated ? "extrapolated" : "ok", theta_ms / deg);
     return RP_OK;
 }
@@ -49,8 +49,8 @@ static rp_status print_tilt(cli_call *call, const void *values)
     const tilt_options *o = values;
     ang_tilt_result r;
     RP_TRY(ang_tilt((ang_form)o->form, o->mu, o->theta_r_deg * deg, o->phi_deg * deg, &r));
-    cli_table(call, stdout);
-    rp_table_header(stdout,
+    cli_table(call, call->out);
+    rp_table_header(call->out, call->units,
                     "theta_t_deg [deg], theta_ms_deg [deg], margin_deg [deg], limit_deg [deg], status");
     CLI_ROW_WORD(ang_tilt_words[r.status], r.theta_t / deg, r.theta_ms / deg, r.margin / deg, r.limit / deg);
     if (r.status == ANG_TILT_RAYS_MISS)

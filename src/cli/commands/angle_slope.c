@@ -60,7 +60,8 @@ static void warn_negative(const cli_call *call, const ang_slope slopes[ANG_N_MET
 }
 
 /* Without slopes: rows without result. */
-static void print_slopes(size_t n_cells, size_t n_occupied, const ang_slope *slopes, const char *word)
+static void print_slopes(const cli_call *call, size_t n_cells, size_t n_occupied, const ang_slope *slopes,
+                         const char *word)
 {
     for (int i = 0; i < ANG_N_METHODS; i++) {
         ang_slope s = slopes ? slopes[i] : (ang_slope){NAN, NAN, NAN, NAN};
@@ -149,20 +150,20 @@ static rp_status slope_of_table(cli_call *call, rp_table *table, const void *val
                          "picture do (--y-axis down), or not (--y-axis up tells so)");
     rp_prefix(status, "%s: %s", table->path, box ? "" : "choose a flank by --from and --to: ");
     if (status && status != RP_NO_RESULT) return status;
-    cli_table(call, stdout);
-    if (box) rp_table_note_number(stdout, "cell", cell, origin);
-    rp_table_header(stdout,
+    cli_table(call, call->out);
+    if (box) rp_table_note_number(call->out, "cell", cell, origin);
+    rp_table_header(call->out, call->units,
                     "method, slope, theta_deg [deg], theta_se_deg [deg], n_cells, n_occupied, status");
     if (status) {
         const bool sparse = box && pile.n_flank[0] >= ANG_MIN_OCCUPIED;
-        print_slopes(pile.n, pile.n_flank[0], NULL, sparse ? "sparse" : "no_pile");
+        print_slopes(call, pile.n, pile.n_flank[0], NULL, sparse ? "sparse" : "no_pile");
     } else if (pile.n_flanks == 1) {
-        print_slopes(pile.n, pile.n_flank[0], pile.flank[0], "ok");
+        print_slopes(call, pile.n, pile.n_flank[0], pile.flank[0], "ok");
         warn_negative(call, pile.flank[0]);
     } else {
-        print_slopes(pile.n, pile.n_flank[0], pile.flank[0], "ok_left");
-        print_slopes(pile.n, pile.n_flank[1], pile.flank[1], "ok_right");
-        print_slopes(pile.n, pile.n_flank[0] + pile.n_flank[1], pile.mean, "ok_mean");
+        print_slopes(call, pile.n, pile.n_flank[0], pile.flank[0], "ok_left");
+        print_slopes(call, pile.n, pile.n_flank[1], pile.flank[1], "ok_right");
+        print_slopes(call, pile.n, pile.n_flank[0] + pile.n_flank[1], pile.mean, "ok_mean");
     }
     return status;
 }

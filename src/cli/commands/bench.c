@@ -104,7 +104,7 @@ static rp_status write_grains(const cli_call *call, const bench_options *o, cons
     FILE *out;
     RP_TRY(rp_file_open(o->o, o->force, &out));
     cli_provenance(call, out);
-    dem_write_columns(DEM_TABLE_STATES, false, out);
+    dem_write_columns(DEM_TABLE_STATES, sim, out);
     return rp_file_close(o->o, out, dem_write_rows(DEM_TABLE_STATES, sim, dem_step(sim), out));
 }
 
@@ -179,14 +179,14 @@ static double heap(void)
     return (double)(now.uordblks + now.hblkhd);
 }
 
-static void write_row(const bench_options *o, double rates[], const bench_run *last, const dem_phases *times,
-                      const double memory[2], double seconds)
+static void write_row(const cli_call *call, const bench_options *o, double rates[], const bench_run *last,
+                      const dem_phases *times, const double memory[2], double seconds)
 {
     const double all = times->contacts + times->lists + times->integration + times->walls;
     const double inner = times->contacts + times->integration;
     gsl_sort(rates, 1, (size_t)o->repeat);
     const double n = (double)o->n, grains = (double)last->grains, median = rates[o->repeat / 2];
-    rp_table_header(stdout,
+    rp_table_header(call->out, call->units,
                     "grains, steps, best [1e6/s], median [1e6/s], bound [1e6/s], seconds [s], contacts "
                     "[1/grain], pairs [1/grain], rebuilds, share_contacts, share_lists, share_integration, "
                     "share_walls, bytes [B/grain], peak_bytes [B/grain]");
@@ -225,11 +225,11 @@ static rp_status measure(cli_call *call, const void *values)
     }
     if (o->repeat > 1) RP_TRY(run_once(call, o, from, &times, &timed));
     cli_tell_threads(sim, "bench", o->j);
-    cli_table(call, stdout);
-    rp_table_note(stdout, "pair_loop", "%s", dem_kernel_name(sim));
-    rp_table_note(stdout, "dt", "%.17g s", dt);
-    if (sample) rp_table_note(stdout, "theta_r", "%.17g degrees", run.slope.theta_r.theta / deg);
-    write_row(o, rates, &run, &times, memory, rp_clock() - begun);
+    cli_table(call, call->out);
+    rp_table_note(call->out, "pair_loop", "%s", dem_kernel_name(sim));
+    rp_table_note(call->out, "dt", "%.17g s", dt);
+    if (sample) rp_table_note(call->out, "theta_r", "%.17g degrees", run.slope.theta_r.theta / deg);
+    write_row(call, o, rates, &run, &times, memory, rp_clock() - begun);
     return RP_OK;
 }
 

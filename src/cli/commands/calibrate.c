@@ -128,7 +128,7 @@ static rp_status read_measured(problem *s, const config_setting_t *setting, size
     const char *fixed = "";
     if (!config_setting_is_group(setting))
         return rp_config_fail(setting, "measured: a list ( { ... } ) expected");
-    rp_params_defaults(schema, m);
+    rp_params_defaults(schema, RP_CGS, m);
     RP_TRY(rp_config_group(setting, schema, m, "fixed"));
     if ((*m->experiment != 0) + (*m->protocol != 0) + (*m->runs != 0) != 1)
         return rp_config_fail(setting, "measured: one of experiment, protocol and runs expected");
@@ -183,7 +183,7 @@ static rp_status read_file(problem *s)
     RP_TRY(rp_config_read(s->path, &s->config));
     const config_setting_t *root = config_root_setting(&s->config), *list = member(root, "measured"),
                            *where = member(root, "where");
-    rp_params_defaults(schema, s);
+    rp_params_defaults(schema, RP_CGS, s);
     for (const char *const *key = of_measured; *key; key++)
         if (member(root, *key))
             return rp_config_fail(member(root, *key), "%s: belongs to an entry of measured", *key);
@@ -571,7 +571,7 @@ static void print_failed(const problem *s, size_t stages)
             rp_tally_add(&all, one.words.of[w].word, strlen(one.words.of[w].word), one.words.of[w].times);
     }
     if (*sweep_words(&all, sweep_is_failed, text))
-        rp_table_note(stdout, "failed", "%s: the numbers are of the other runs", text);
+        rp_table_note(s->call->out, "failed", "%s: the numbers are of the other runs", text);
 }
 
 /* "p <= 0.5, q >= 0.1": ends that the ranges have lost; "" without. */
@@ -589,48 +589,49 @@ static const char *cut_ends(const problem *s, const stats_answer *a)
 
 static void print_answer(const problem *s, const stats_answer *a)
 {
+    const cli_call *call = s->call;
     const bool bent = a->status[0] == STATS_IDENTIFIED_BENT;
-    cli_provenance(s->call, stdout);
-    rp_table_note(stdout, "runs", "%zu at %zu points, %zu of them without some number, %s", a->n_runs,
+    cli_provenance(call, call->out);
+    rp_table_note(call->out, "runs", "%zu at %zu points, %zu of them without some number, %s", a->n_runs,
                   a->n_points, a->n_failed,
-                  !s->quest.fixed_runs ? rp_text(s->call->arena, "in %zu stages", a->stages)
-                  : a->n_repeated > 0  ? rp_text(s->call->arena, "%zu repeated", a->n_repeated)
+                  !s->quest.fixed_runs ? rp_text(call->arena, "in %zu stages", a->stages)
+                  : a->n_repeated > 0  ? rp_text(call->arena, "%zu repeated", a->n_repeated)
                                       : "none repeated: nothing tells scatter from a form that does not fit");
     print_failed(s, a->stages);
     if (*cut_ends(s, a))
-        rp_table_note(stdout, "range", "%s: only there the runs have all numbers", cut_ends(s, a));
-    rp_table_note(stdout, "chi2", "%.3g over %zu", a->chi2, a->dof);
+        rp_table_note(call->out, "range", "%s: only there the runs have all numbers", cut_ends(s, a));
+    rp_table_note(call->out, "chi2", "%.3g over %zu", a->chi2, a->dof);
     for (size_t k = 0; k < s->quest.n_numbers; k++) {
         const measured *m = &s->number[k];
         const double d = (m->value - a->fitted[k]) / rp_hypot(s->quest.error[k], a->fit_error[k]);
-        rp_table_note(stdout, m->of, "measured %.6g +- %.3g%s; form p = %s; runs reach %.6g to %.6g",
+        rp_table_note(call->out, m->of, "measured %.6g +- %.3g%s; form p = %s; runs reach %.6g to %.6g",
                       m->value, s->quest.error[k],
                       bent ? ""
-                           : rp_text(s->call->arena, ", fitted %.6g +- %.3g, residual %.2g", a->fitted[k],
+                           : rp_text(call->arena, ", fitted %.6g +- %.3g, residual %.2g", a->fitted[k],
                                      a->fit_error[k], d),
-                      isnan(a->p_value[k]) ? "not known" : rp_text(s->call->arena, "%.2g", a->p_value[k]),
+                      isnan(a->p_value[k]) ? "not known" : rp_text(call->arena, "%.2g", a->p_value[k]),
                       a->reach[k][0], a->reach[k][1]);
     }
     for (size_t p = 1; p < s->quest.n_names && !bent; p++)
         for (size_t q = 0; q < p; q++)
-            rp_table_note(stdout, "correlation", "%s and %s: %.2f", s->name[q], s->name[p],
+            rp_table_note(call->out, "correlation", "%s and %s: %.2f", s->name[q], s->name[p],
                           a->correlation[q][p]);
     if (s->quest.n_names > 1)
-        rp_table_note(stdout, "determined", "%s",
-                      a->determined ? rp_text(s->call->arena, "%s = %.5g +- %.2g", combination(s, a), a->sum,
-                                              a->sum_error)
-                      : bent        ? "not told where the runs bend too much"
-                                    : "not told where the best values lie at an end of their range, or what "
-                                      "agrees bends");
-    rp_table_note(stdout, "left out", "%zu of %zu points are found again by the others", a->recovered,
+        rp_table_note(call->out, "determined", "%s",
+                      a->determined
+                          ? rp_text(call->arena, "%s = %.5g +- %.2g", combination(s, a), a->sum, a->sum_error)
+                      : bent ? "not told where the runs bend too much"
+                             : "not told where the best values lie at an end of their range, or what "
+                               "agrees bends");
+    rp_table_note(call->out, "left out", "%zu of %zu points are found again by the others", a->recovered,
                   a->tried);
-    rp_table_note(stdout, "holds for", "the experiments that ran, and no other model");
-    rp_table_header(stdout, "parameter, value, se, lower, upper, status");
+    rp_table_note(call->out, "holds for", "the experiments that ran, and no other model");
+    rp_table_header(call->out, call->units, "parameter, value, se, lower, upper, status");
     for (size_t p = 0; p < s->quest.n_names; p++) {
         const size_t n = a->n_intervals[p];
         for (size_t k = 0; k == 0 || k < n; k++) {
             const stats_interval *i = n > 1 ? &a->interval[p][k] : &a->own[p];
-            printf("%s\t", s->name[p]);
+            fprintf(call->out, "%s\t", s->name[p]);
             CLI_ROW_WORD(stats_identified_words[a->status[p]], n > 1 ? i->value : a->x[p], a->se[p], i->lower,
                          i->upper);
         }
@@ -663,14 +664,15 @@ static rp_status conclude(const problem *s, const stats_answer *a)
 
 static rp_status plan_alone(const problem *s)
 {
+    const cli_call *call = s->call;
     size_t points, runs;
     RP_TRY(rp_prefix(stats_first_stage(&s->quest, &points, &runs), "%s: ", s->path));
-    cli_provenance(s->call, stdout);
-    rp_table_note(stdout, "first stage", "%zu points, %zu runs; at most %zu in all", points, runs,
+    cli_provenance(call, call->out);
+    rp_table_note(call->out, "first stage", "%zu points, %zu runs; at most %zu in all", points, runs,
                   s->quest.budget);
-    rp_table_header(stdout, "number, group, value, error");
+    rp_table_header(call->out, call->units, "number, group, value, error");
     for (size_t k = 0; k < s->quest.n_numbers; k++) {
-        printf("%s\t", s->number[k].of);
+        fprintf(call->out, "%s\t", s->number[k].of);
         CLI_ROW((double)s->quest.group[k] + 1.0, s->quest.value[k], s->quest.error[k]);
     }
     return RP_OK;

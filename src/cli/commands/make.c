@@ -268,11 +268,12 @@ static rp_status make_runs(const making *m)
         .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = CLI_SNAPSHOT};
     const rp_status status = cli_sweep_run(o->o, options, o->quiet, &counts);
     if (!status || status == RP_NO_RESULT) { /* "lh3: 80 runs: 78 ok, 2 not_at_rest" */
-        printf("%s: %zu runs", m->recipe.name, counts.stored);
+        FILE *const out = m->call->out;
+        fprintf(out, "%s: %zu runs", m->recipe.name, counts.stored);
         for (size_t i = 0; i < counts.words.n; i++)
-            printf("%s %.0f %s", i ? "," : ":", counts.words.of[i].times, counts.words.of[i].word);
-        putchar('\n');
-        fflush(stdout); /* before what is told of tables */
+            fprintf(out, "%s %.0f %s", i ? "," : ":", counts.words.of[i].times, counts.words.of[i].word);
+        fputc('\n', out);
+        fflush(out); /* before what is told of tables */
     }
     RP_TRY(status);
     RP_TRY(export_to(m, "runs", SWEEP_RUNS));

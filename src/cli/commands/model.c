@@ -49,10 +49,10 @@ static rp_status write_pile(cli_call *call, const void *values)
     if (o->method == CLOSED && o->base <= 0)
         for (long i = 1; i <= k; i++) RP_TRY(an_lattice_triangle(k, theta, i, &force[i - 1]));
     const double base = an_lattice_base(disks, theta, alpha);
-    cli_table(call, stdout);
-    rp_table_note(stdout, "disks", "%.0f", disks);
-    rp_table_note_number(stdout, "B", base, "sigma, the base of the triangle of equal weight");
-    rp_table_header(stdout, "i, N/mg, H/mg, x/B, N/(chi*g*B), H/(chi*g*B)");
+    cli_table(call, call->out);
+    rp_table_note(call->out, "disks", "%.0f", disks);
+    rp_table_note_number(call->out, "B", base, "sigma, the base of the triangle of equal weight");
+    rp_table_header(call->out, call->units, "i, N/mg, H/mg, x/B, N/(chi*g*B), H/(chi*g*B)");
     for (long i = 1; i <= k; i++) {
         const an_force f = force[i - 1];
         const double x = 0.5 + ((double)i - (double)(k + 1) / 2) * 2 * sin(theta) / base;
@@ -117,9 +117,9 @@ static rp_status write_triangle(cli_call *call, const void *values)
     double alpha = o->alpha_deg * M_PI / 180;
     RP_TRY(an_continuum_kink(alpha, &x_c));
     RP_TRY(positions(call->arena, o->points, o->at, &x, &n));
-    cli_table(call, stdout);
-    rp_table_note_number(stdout, "x_c/B", x_c, "");
-    rp_table_header(stdout, "x/B, N/(chi*g*B), H/(chi*g*B)");
+    cli_table(call, call->out);
+    rp_table_note_number(call->out, "x_c/B", x_c, "");
+    rp_table_header(call->out, call->units, "x/B, N/(chi*g*B), H/(chi*g*B)");
     for (size_t i = 0; i < n; i++) {
         an_force f = {0};
         RP_TRY(an_continuum(alpha, x[i], &f));
@@ -164,10 +164,10 @@ static rp_status write_tent(cli_call *call, const void *values)
     RP_TRY(positions(call->arena, o->points, o->at, &x, &n));
     RP_TRY(an_profile_largest(&tent, &x_most, &most));
     RP_TRY(an_profile_force(&tent, 0.5, &f));
-    cli_table(call, stdout);
-    rp_table_note(stdout, "dip", "%.3g: N = %.4g at %.4g B, %.4g in the middle", 1 - f.N / most, most, x_most,
-                  f.N);
-    rp_table_header(stdout, "x/B, N/(chi*g*B), H/(chi*g*B), y/B");
+    cli_table(call, call->out);
+    rp_table_note(call->out, "dip", "%.3g: N = %.4g at %.4g B, %.4g in the middle", 1 - f.N / most, most,
+                  x_most, f.N);
+    rp_table_header(call->out, call->units, "x/B, N/(chi*g*B), H/(chi*g*B), y/B");
     for (size_t i = 0; i < n; i++) {
         RP_TRY(an_profile_force(&tent, x[i], &f));
         RP_TRY(an_profile_height(&tent, x[i], &y));

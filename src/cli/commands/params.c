@@ -5,9 +5,9 @@
 #include "cli/cli.h"
 #include "dem/scene/text.h"
 #include "experiment/experiment.h"
+#include "params/config.h"
 #include "params/expression.h"
 #include "params/guess.h"
-#include "params/units.h"
 #include "sweeps/engine/experiment.h"
 
 #define PARAMS_OPTIONS(X)                                                                                    \
@@ -19,41 +19,44 @@ static const char *const type_words[] = {
     [RP_REAL] = "real", [RP_INT] = "whole", [RP_BOOL] = "bool", [RP_CHOICE] = "word", [RP_TEXT] = "text"};
 
 /* The default as in the schema; in other units than its own converted. */
-static const char *default_of(const rp_param *p, char text[64])
+static const char *default_of(const rp_param *p, rp_units units, char text[64])
 {
     rp_param alone = *p;
     double number;
     if (!p->fallback) return "(required)";
-    if (p->type != RP_REAL || strcmp(rp_unit(p->unit), p->unit) == 0) return cli_cell(p->fallback);
+    if (p->type != RP_REAL || strcmp(rp_unit(units, p->unit), p->unit) == 0) return cli_cell(p->fallback);
     alone.offset = 0;
-    rp_params_default(&alone, &number);
+    rp_params_default(&alone, units, &number);
     return rp_params_text(&alone, &number, text, 64);
 }
 
 /* Rows of a table, for --json, or lines to be read, with what each word of a choice stands for. */
-static void print_schema(bool rows, const char *of, const char *kind, const rp_param *schema)
+static void print_schema(const cli_call *call, bool rows, const char *of, const char *kind,
+                         const rp_param *schema)
 {
     char text[64], word[64];
     if (!rows)
-        printf("# %-25s %-10s %-6s %-12s %-34s %s\n", "name", "unit", "type", "default", "range", "meaning");
+        fprintf(call->out, "# %-25s %-10s %-6s %-12s %-34s %s\n", "name", "unit", "type", "default", "range",
+                "meaning");
     for (const rp_param *p = schema; p->name; p++) {
-        if (rows) printf("%s\t%s\t", of, kind);
-        printf(rows ? "%s\t%s\t%s\t%s\t%s\t%s\n" : "  %-25s %-10s %-6s %-12s %-34s %s\n", p->name,
-               cli_cell(rp_unit(p->unit)), type_words[p->type], default_of(p, text),
-               p->type == RP_BOOL && !rows ? "true | false" : cli_cell(p->range), p->meaning);
+        if (rows) fprintf(call->out, "%s\t%s\t", of, kind);
+        fprintf(call->out, rows ? "%s\t%s\t%s\t%s\t%s\t%s\n" : "  %-25s %-10s %-6s %-12s %-34s %s\n", p->name,
+                cli_cell(rp_unit(call->units, p->unit)), type_words[p->type],
+                default_of(p, call->units, text),
+                p->type == RP_BOOL && !rows ? "true | false" : cli_cell(p->range), p->meaning);
     }
     for (const rp_param *p = rows ? NULL : schema; p && p->name; p++)
         for (int k = 0; p->manual && *rp_word_at(p->range, k, word, sizeof word); k++)
-            printf("#   %s = %s: %s\n", p->name, word, p->manual[k]);
+            fprintf(call->out, "#   %s = %s: %s\n", p->name, word, p->manual[k]);
 }
 
 /* A scene file has a group of keys for each of its schemas. */
-static void print_scene(bool rows)
+static void print_scene(const cli_call *call, bool rows)
 {
     for (const dem_scene_group *g = dem_scene_schemas; g->name; g++) {
         const char *name = g == dem_scene_schemas ? "top level" : g->name;
-        if (!rows) printf("# scene file, %s: %s\n", name, g->manual);
-        print_schema(rows, "scene", name, g->schema);
+        if (!rows) fprintf(call->out, "# scene file, %s: %s\n", name, g->manual);
+        print_schema(call, rows, "scene", name, g->schema);
     }
 }
 
@@ -65,58 +68,62 @@ static bool is_next(const char *name, const char *after)
            isdigit((unsigned char)name[n - 2]) && strncmp(name, after, n - 2) == 0;
 }
 
-static void print_experiment(bool rows)
+static void print_experiment(const cli_call *call, bool rows)
 {
     RP_SCOPE(arena);
     for (const dem_scene_group *g = exp_groups; g->name; g++) {
-        if (!rows) printf("# experiment, %s: %s\n", g->name, g->manual);
-        print_schema(rows, "experiment", g->name, g->schema);
+        if (!rows) fprintf(call->out, "# experiment, %s: %s\n", g->name, g->manual);
+        print_schema(call, rows, "experiment", g->name, g->schema);
     }
     for (const exp_module *const *at = exp_modules; *at; at++) {
         const exp_module *const m = *at;
         if (!rows)
-            printf("# experiment, measure of = \"%s\": %s; a column is the measure's name with one of\n",
-                   m->name, m->about);
+            fprintf(call->out,
+                    "# experiment, measure of = \"%s\": %s; a column is the measure's name with one of\n",
+                    m->name, m->about);
         for (const exp_output *o = m->outputs; o->name && !rows; o++) {
             const exp_output *first = o;
             while (is_next(o->name, o[1].name)) o++;
-            printf("#   %-25s %-10s %s\n",
-                   o == first ? o->name : rp_text(&arena, "%s to %s", first->name, o->name),
-                   cli_cell(first->unit), first->meaning);
+            fprintf(call->out, "#   %-25s %-10s %s\n",
+                    o == first ? o->name : rp_text(&arena, "%s to %s", first->name, o->name),
+                    cli_cell(first->unit), first->meaning);
         }
-        print_schema(rows, "experiment", m->name, m->schema);
+        print_schema(call, rows, "experiment", m->name, m->schema);
     }
     if (!rows)
-        printf("# experiment, what expressions may ask for, besides lets and earlier measures: %s\n# %-25s "
-               "%-10s %-14s %s\n",
-               rp_expression_functions, "name", "unit", "of", "meaning");
+        fprintf(call->out,
+                "# experiment, what expressions may ask for, besides lets and earlier measures: %s\n# %-25s "
+                "%-10s %-14s %s\n",
+                rp_expression_functions, "name", "unit", "of", "meaning");
     exp_word w;
     for (size_t k = 0; (w = exp_observable_at(k)).name; k++)
-        printf(rows ? "experiment\tobservable\t%s\t%s\t-\t-\t%s\t%s\n" : "  %-25s %-10s %-14s %s\n", w.name,
-               cli_cell(rp_unit(w.unit)), w.of, w.meaning);
+        fprintf(call->out,
+                rows ? "experiment\tobservable\t%s\t%s\t-\t-\t%s\t%s\n" : "  %-25s %-10s %-14s %s\n", w.name,
+                cli_cell(rp_unit(call->units, w.unit)), w.of, w.meaning);
 }
 
-static void print_protocol(const sweep_protocol *protocol, bool rows)
+static void print_protocol(const cli_call *call, const sweep_protocol *protocol, bool rows)
 {
-    if (!rows) printf("# protocol %s: %s\n", protocol->name, protocol->about);
-    print_schema(rows, protocol->name, "parameter", protocol->schema);
+    if (!rows) fprintf(call->out, "# protocol %s: %s\n", protocol->name, protocol->about);
+    print_schema(call, rows, protocol->name, "parameter", protocol->schema);
     if (protocol->context && !rows) {
-        printf("# for sweeps also these of a scene:");
+        fprintf(call->out, "# for sweeps also these of a scene:");
         for (const dem_named_key *k = dem_named_keys; k->key; k++)
-            if (!rp_params_find(protocol->schema, k->param.name)) printf(" %s", k->param.name);
-        putchar('\n');
+            if (!rp_params_find(protocol->schema, k->param.name)) fprintf(call->out, " %s", k->param.name);
+        fputc('\n', call->out);
     }
     if (!rows)
-        printf("# outputs of protocol %s\n# %-36s %-10s %s\n", protocol->name, "name", "unit", "meaning");
+        fprintf(call->out, "# outputs of protocol %s\n# %-36s %-10s %s\n", protocol->name, "name", "unit",
+                "meaning");
     for (const sweep_output *o = protocol->outputs; o->name; o++) {
-        if (rows) printf("%s\toutput\t", protocol->name);
-        printf(rows ? "%s\t%s\treal\t-\t-\t%s\n" : "  %-36s %-10s %s\n", o->name, cli_cell(rp_unit(o->unit)),
-               o->meaning);
+        if (rows) fprintf(call->out, "%s\toutput\t", protocol->name);
+        fprintf(call->out, rows ? "%s\t%s\treal\t-\t-\t%s\n" : "  %-36s %-10s %s\n", o->name,
+                cli_cell(rp_unit(call->units, o->unit)), o->meaning);
     }
 }
 
 /* The names and measures of a file. */
-static rp_status file_rows(const cli_call *call, const char *path)
+static rp_status file_rows(cli_call *call, const char *path)
 {
     dem_text text;
     dem_scene scene = {0};
@@ -126,21 +133,22 @@ static rp_status file_rows(const cli_call *call, const char *path)
     const bool phases = !status && exp_has_phases(&text);
     if (!status) status = phases ? exp_read(&text, &plan) : dem_text_scene(&text, &scene);
     if (!status) {
-        cli_provenance(call, stdout);
-        rp_table_header(stdout, "name, kind, value, unit, range, meaning");
+        call->units = rp_config_units(config_root_setting(&text.config));
+        cli_provenance(call, call->out);
+        rp_table_header(call->out, call->units, "name, kind, value, unit, range, meaning");
     }
     for (size_t k = 0; !status && k < text.lets.n; k++) {
         const rp_let *let = &text.lets.lets[k];
-        printf("%s\t%s\t%s\t%s\t%s\t%s\n", let->name, let->computed ? "computed" : "let",
-               let->is.type == RP_X_WORD    ? let->is.word
-               : let->is.type == RP_X_TRUTH ? (let->is.value != 0.0 ? "true" : "false")
-                                            : rp_number_text(let->is.value, 6, number, sizeof number),
-               cli_cell(let->unit), cli_cell(let->range), cli_cell(let->meaning));
+        fprintf(call->out, "%s\t%s\t%s\t%s\t%s\t%s\n", let->name, let->computed ? "computed" : "let",
+                let->is.type == RP_X_WORD    ? let->is.word
+                : let->is.type == RP_X_TRUTH ? (let->is.value != 0.0 ? "true" : "false")
+                                             : rp_number_text(let->is.value, 6, number, sizeof number),
+                cli_cell(let->unit), cli_cell(let->range), cli_cell(let->meaning));
     }
     size_t n = 0;
     const exp_output *o = plan && !status ? exp_outputs(plan, &n) : NULL;
     for (size_t k = 0; k < n; k++)
-        printf("%s\tmeasure\t-\t%s\t-\t%s\n", o[k].name, cli_cell(o[k].unit), o[k].meaning);
+        fprintf(call->out, "%s\tmeasure\t-\t%s\t-\t%s\n", o[k].name, cli_cell(o[k].unit), o[k].meaning);
     if (!phases) dem_scene_free(&scene);
     exp_free(plan);
     dem_text_close(&text);
@@ -154,27 +162,26 @@ static rp_status print_all(cli_call *call, const void *values)
     const bool rows = cli_given(call, "json");
     bool found = false;
     if (name && rp_ends_in(name, ".cfg")) return file_rows(call, cli_data(call->arena, name));
-    rp_units_set((rp_units)o->units);
+    call->units = (rp_units)o->units;
     if (rows) {
-        cli_provenance(call, stdout);
-        rp_table_header(stdout, "of, kind, name, unit, type, default, range, meaning");
+        cli_provenance(call, call->out);
+        rp_table_header(call->out, call->units, "of, kind, name, unit, type, default, range, meaning");
     }
     for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
         if (name && strcmp(name, (*p)->name) != 0) continue;
-        if (found && !rows) putchar('\n');
+        if (found && !rows) fputc('\n', call->out);
         const sweep_protocol *opened;
         const rp_status status = sweep_protocol_open(*p, NULL, NULL, &opened);
-        if (!status) sweep_protocol_in(opened, (rp_units)o->units);
-        if (!status) print_protocol(opened, rows);
+        if (!status) sweep_protocol_in(opened, call->units);
+        if (!status) print_protocol(call, opened, rows);
         sweep_protocol_close(opened);
-        rp_units_set((rp_units)o->units); /* a text has its own */
         RP_TRY(status);
         found = true;
     }
     for (int k = 0; k < 2; k++) {
         if (name && strcmp(name, k ? "experiment" : "scene") != 0) continue;
-        if (found && !rows) putchar('\n');
-        (k ? print_experiment : print_scene)(rows);
+        if (found && !rows) fputc('\n', call->out);
+        (k ? print_experiment : print_scene)(call, rows);
         found = true;
     }
     if (found) return RP_OK;

@@ -70,14 +70,15 @@ static rp_status read_disks(rp_arena *arena, const char *path, sweep_outline *h)
 /* ---- Output ---- */
 
 /* One row: parameters, results, status. */
-static void write_summary(const options *o, const sweep_result *results)
+static void write_summary(const cli_call *call, const options *o, const sweep_result *results)
 {
-    rp_table_note(stdout, "cost", "%.3g s, %.4g MB", rp_cpu_clock(), rp_peak_memory());
-    cli_result_row(sweep_pile_schema, &o->pile, sweep_protocol_pile.outputs, results);
+    rp_table_note(call->out, "cost", "%.3g s, %.4g MB", rp_cpu_clock(), rp_peak_memory());
+    cli_result_row(call, sweep_pile_schema, &o->pile, sweep_protocol_pile.outputs, results);
 }
 
-static void put_header(const void *call, FILE *out)
+static void put_header(const void *call, rp_units units, FILE *out)
 {
+    (void)units;
     cli_table(call, out);
 }
 
@@ -156,14 +157,14 @@ static rp_status solve(const cli_call *call, options *o, sweep_outline *h)
         fprintf(stderr, "repose pile: unstable: %zu negative mode%s; --branch minimum seeks a stable state\n",
                 s.r.negative_modes, s.r.negative_modes == 1 ? "" : "s");
     if (!status || status == RP_NO_RESULT) {
-        cli_table(call, stdout);
-        sweep_pile_notes(&s, stdout);
+        cli_table(call, call->out);
+        sweep_pile_notes(&s, call->out);
         /* without an equilibrium N and H are no result: those of the state where the solve was given up are
          * in the folder's tables alone */
         if (o->own.summary)
-            write_summary(o, &results);
+            write_summary(call, o, &results);
         else if (!s.r.fault)
-            sweep_pile_write_base(&s, stdout);
+            sweep_pile_write_base(&s, call->out);
         const sweep_tables tables = {.directory = f.part, .header = put_header, .context = call};
         if (f.part) RP_TRY(sweep_pile_write(&s, &tables));
         if (f.part) RP_TRY(rp_folder_publish(&f));
@@ -180,12 +181,12 @@ typedef struct {
 
 static void write_means(const cli_call *call, const options *o, const sweep_outline *h, const ensemble *e)
 {
-    cli_table(call, stdout);
-    rp_table_note(stdout, "n_disks", "%zu", h->n);
-    rp_table_note_number(stdout, "B", h->B, "sigma");
-    rp_table_note(stdout, "solved", "%zu of %zu piles, %zu of them unstable", e->solved, e->piles,
+    cli_table(call, call->out);
+    rp_table_note(call->out, "n_disks", "%zu", h->n);
+    rp_table_note_number(call->out, "B", h->B, "sigma");
+    rp_table_note(call->out, "solved", "%zu of %zu piles, %zu of them unstable", e->solved, e->piles,
                   e->unstable);
-    rp_table_header(stdout,
+    rp_table_header(call->out, call->units,
                     "i, x/B, N/mg, N_se/mg, H/mg, H_se/mg, N_diagonals/mg, H_diagonals/mg, N/(chi*g*B), "
                     "N_se/(chi*g*B), H/(chi*g*B), H_se/(chi*g*B)");
     for (size_t i = 0; i < h->k; i++) {
@@ -239,8 +240,8 @@ static rp_status solve_any(cli_call *call, const void *values)
     if (!o->pile.threshold) return (o->own.piles > 1 ? solve_ensemble : solve)(call, o, &h);
     sweep_result results;
     RP_TRY(sweep_pile_threshold(&o->pile, &h, &results));
-    cli_table(call, stdout);
-    return write_summary(o, &results), RP_OK;
+    cli_table(call, call->out);
+    return write_summary(call, o, &results), RP_OK;
 }
 
 const cli_command cmd_pile = {

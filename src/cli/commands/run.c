@@ -82,10 +82,12 @@ typedef struct {
     cli_progress progress;
 } scene_run;
 
-static void put_origin(const void *context, FILE *out)
+static void put_origin(const void *context, rp_units units, FILE *out)
 {
     const origin *of = context;
-    cli_provenance(&of->call, out);
+    cli_call call = of->call;
+    call.units = units;
+    cli_provenance(&call, out);
     rp_table_note(out, "run", "%s", of->run);
     if (of->start) rp_table_note(out, "start", "%s", of->start);
 }
@@ -134,13 +136,13 @@ static FILE *table_of(const scene_run *r, int k)
 
 static void begin_tables(scene_run *r)
 {
-    for (int k = 0; k < CLI_GROWING && *r->o->o; k++) put_origin(&r->of, table_of(r, k));
+    for (int k = 0; k < CLI_GROWING && *r->o->o; k++) put_origin(&r->of, r->of.call.units, table_of(r, k));
     for (int k = STATES + 1; k < CLI_GROWING && *r->o->o; k++)
-        dem_write_columns((dem_table)k, r->plan.ledger, table_of(r, k));
+        dem_write_columns((dem_table)k, r->sim, table_of(r, k));
     if (!*r->o->o && r->exp) return; /* standard output holds the measures */
-    if (!*r->o->o) r->result.table[STATES] = stdout, cli_provenance(&r->of.call, stdout);
+    if (!*r->o->o) r->result.table[STATES] = r->of.call.out, cli_provenance(&r->of.call, r->of.call.out);
     dem_write_notes(r->sim, table_of(r, STATES));
-    dem_write_columns(DEM_TABLE_STATES, false, table_of(r, STATES));
+    dem_write_columns(DEM_TABLE_STATES, r->sim, table_of(r, STATES));
 }
 
 /* Steps so far, also in tables; those of a simulation alone go back with it. */
@@ -327,7 +329,7 @@ static void write_measures(const scene_run *r, FILE *out)
             rp_table_note(out, key, "%ld pass%s, to step %ld, t = %.15g", p.passes, p.passes > 1 ? "es" : "",
                           p.step, p.time);
     }
-    rp_table_header(out, "measure, value, unit, meaning");
+    rp_table_header(out, r->of.call.units, "measure, value, unit, meaning");
     for (size_t k = 0; k < n; k++) {
         fprintf(out, "%s\t", o[k].name);
         rp_table_numbers(out, 1, &exp_values(r->exp)[k]);
@@ -354,7 +356,7 @@ static rp_status write_results(const scene_run *r)
 {
     const char *path, *name;
     FILE *table;
-    write_measures(r, stdout);
+    write_measures(r, r->of.call.out);
     if (!*r->o->o) return RP_OK;
     RP_TRY(open_result(r, "measures.tsv", &path, &table));
     write_measures(r, table);
@@ -369,7 +371,7 @@ static rp_status write_results(const scene_run *r)
     }
     for (size_t k = 0; exp_series_name(r->phases, k); k++) {
         RP_TRY(open_result(r, exp_series_name(r->phases, k), &path, &table));
-        put_origin(&r->of, table);
+        put_origin(&r->of, r->of.call.units, table);
         exp_series_write(r->exp, k, table);
         RP_TRY(rp_file_close(path, table, RP_OK));
     }
@@ -413,9 +415,9 @@ static rp_status finish_scene(scene_run *r, rp_status status)
     if (*directory)
         status = cli_result_end(&r->result, status);
     else if (status && table_of(r, STATES))
-        rp_table_note(stdout, "unfinished", "%s", rp_message());
+        rp_table_note(r->of.call.out, "unfinished", "%s", rp_message());
     else if (!status)
-        status = rp_file_finish(stdout, "standard output");
+        status = rp_file_finish(r->of.call.out, "standard output");
     if (!status && r->exp) return close_phases(r);
     if (!status && !r->o->quiet) cli_close_run(r->of.call.arena, r->sim, &r->rest, directory);
     return status;
@@ -429,7 +431,7 @@ static rp_status run_row(const cli_call *call, const char *path, const run_optio
                        "repose sweep make %s -o DIR makes all",
                        path, path, path);
     sweep_result result;
-    const sweep_output *made;
+    const sweep_protocol *made;
     const double started = rp_clock();
     const char *snapshot;
     bool resumed;
@@ -452,15 +454,16 @@ static rp_status run_row(const cli_call *call, const char *path, const run_optio
     rp_status status =
         sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, call->arena, &made, &result);
     RP_TRY(cli_result_end(&folder, status));
-    cli_provenance(call, stdout);
-    rp_table_note(stdout, "run_time", "%.3g s", rp_clock() - started);
-    cli_result_row(NULL, NULL, made, &result);
+    of.call.units = made->units;
+    cli_provenance(&of.call, call->out);
+    rp_table_note(call->out, "run_time", "%.3g s", rp_clock() - started);
+    cli_result_row(&of.call, NULL, NULL, made->outputs, &result);
     if (!rp_is_result(result.status))
         return rp_fail(RP_NO_RESULT, "%s%s%s", result.status, *result.message ? ": " : "", result.message);
     if (o->quiet) return RP_OK;
     fprintf(stderr, "repose run: %s", result.status);
-    for (size_t k = 0; made[k].name; k++)
-        if (strcmp(made[k].name, "theta_r3_deg") == 0 && !isnan(result.values[k]))
+    for (size_t k = 0; made->outputs[k].name; k++)
+        if (strcmp(made->outputs[k].name, "theta_r3_deg") == 0 && !isnan(result.values[k]))
             fprintf(stderr, ", theta_R = %.1f degrees (method 3)", result.values[k]);
     cli_close_line(o->o);
     return RP_OK;
@@ -510,10 +513,10 @@ static rp_status hash_scene(const scene_run *r, XXH128_hash_t *hash)
     return RP_OK;
 }
 
-/* Of the g of SI among values in cgs, of a file whose units have been read. */
-static void warn_gravity(const char *path, double g)
+/* Of the g of SI among values in cgs. */
+static void warn_gravity(const char *path, rp_units units, double g)
 {
-    if (rp_units_now() == RP_CGS && g > 9.7 && g < 9.9)
+    if (units == RP_CGS && g > 9.7 && g < 9.9)
         fprintf(stderr,
                 "repose: warning: %s: g = %g among values in cm, g and s; give units = \"si\", or g = %g\n",
                 path, g, 100.0 * g);
@@ -531,7 +534,8 @@ static rp_status read_text(const char *path, scene_run *r)
         RP_TRY(dem_text_scene(&r->text, scene));
     }
     if (*scene->unused) fprintf(stderr, "repose run: particles_file: not used:%s\n", scene->unused);
-    warn_gravity(path, rp_hypot(scene->def.gravity[0], scene->def.gravity[1]));
+    warn_gravity(path, scene->def.units, rp_hypot(scene->def.gravity[0], scene->def.gravity[1]));
+    r->of.call.units = scene->def.units;
     if (r->o->ledger) scene->def.ledger = true;
     if (r->o->ledger && r->phases) exp_keep_ledger(r->phases);
     return RP_OK;

@@ -16,11 +16,11 @@ static rp_status act_merge(cli_call *call, const void *values)
     RP_TRY(sweep_merge(cli_argument(call, 0), sweep_protocols, (size_t)n, call->arguments + 1, &merged,
                        &counts));
     if (n > 0) RP_TRY(sweep_status(cli_argument(call, 0), sweep_protocols, &counts)); /* its own shards too */
-    rp_table_note(stdout, "merged",
+    rp_table_note(call->out, "merged",
                   "%zu rows of %zu stores, %zu duplicates, %zu rows of other plans left out", merged.taken,
                   merged.stores, merged.duplicates, merged.foreign);
-    if (*counts.shards) rp_table_note(stdout, "shards with missing runs", "%s", counts.shards);
-    cli_print_counts(&counts);
+    if (*counts.shards) rp_table_note(call->out, "shards with missing runs", "%s", counts.shards);
+    cli_print_counts(call, &counts);
     return sweep_check_whole(cli_argument(call, 0), &counts);
 }
 
@@ -112,7 +112,8 @@ static rp_status act_slurm(cli_call *call, const void *values)
                                  o->shards, program, folder, o->shards, o->j);
     fputs(script, out);
     RP_TRY(rp_file_close(path, out, rp_make_directory(shards)));
-    printf(
+    fprintf(
+        call->out,
         "sbatch %s\nparallel -q --sshlogin HOST1,HOST2 %s sweep run %s --shard {}/%ld -j %ld ::: $(seq %ld)\n"
         "repose sweep merge %s\n",
         quoted(call->arena, path), program, folder, o->shards, o->j, o->shards, folder);
@@ -140,7 +141,7 @@ static rp_status act_salvage(cli_call *call, const void *values)
     (void)values;
     size_t n = 0;
     RP_TRY(sweep_salvage(cli_argument(call, 0), sweep_protocols, &n));
-    printf("%s: %zu whole rows; the damaged store is damaged.sqlite\n", cli_argument(call, 0), n);
+    fprintf(call->out, "%s: %zu whole rows; the damaged store is damaged.sqlite\n", cli_argument(call, 0), n);
     return RP_OK;
 }
 

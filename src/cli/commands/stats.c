@@ -13,13 +13,14 @@ CLI_OPTIONS(select, SELECT_OPTIONS)
 static void print_selected_header(const cli_call *call, const rp_table *t, size_t n, const int columns[])
 {
     char number[12], unit[32];
-    cli_provenance(call, stdout);
+    cli_provenance(call, call->out);
     for (size_t c = 0; c < n; c++) {
         rp_column_unit(t, columns[c], unit);
-        printf("%s%s", c ? "\t" : "# units: ", unit);
+        fprintf(call->out, "%s%s", c ? "\t" : "# units: ", unit);
     }
-    for (size_t c = 0; c < n; c++) printf("%c%s", c ? '\t' : '\n', rp_column_name(t, columns[c], number));
-    putchar('\n');
+    for (size_t c = 0; c < n; c++)
+        fprintf(call->out, "%c%s", c ? '\t' : '\n', rp_column_name(t, columns[c], number));
+    fputc('\n', call->out);
 }
 
 static rp_status select_of_table(cli_call *call, rp_table *t, const void *options)
@@ -30,7 +31,8 @@ static rp_status select_of_table(cli_call *call, rp_table *t, const void *option
     RP_TRY(rp_columns(call->arena, t, o->columns, &n, &columns));
     if (!o->bare) print_selected_header(call, t, n, columns);
     for (size_t i = 0; i < t->n_rows; i++)
-        for (size_t c = 0; c < n; c++) printf("%s%s", rp_cell(t, i, columns[c]), c + 1 < n ? "\t" : "\n");
+        for (size_t c = 0; c < n; c++)
+            fprintf(call->out, "%s%s", rp_cell(t, i, columns[c]), c + 1 < n ? "\t" : "\n");
     return RP_OK;
 }
 

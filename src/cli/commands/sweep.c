@@ -13,13 +13,13 @@ CLI_OPTIONS(plan, PLAN_OPTIONS)
 static void print_planned(const cli_call *call, const char *dir, const sweep_counts *counts)
 {
     if (!cli_given(call, "json")) {
-        printf("%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", dir, counts->planned,
-               counts->points, counts->replicas, counts->stored);
+        fprintf(call->out, "%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", dir,
+                counts->planned, counts->points, counts->replicas, counts->stored);
         return;
     }
-    cli_provenance(call, stdout);
-    rp_table_note(stdout, "folder", "%s", dir);
-    rp_table_header(stdout, "runs, points, replicas, stored");
+    cli_provenance(call, call->out);
+    rp_table_note(call->out, "folder", "%s", dir);
+    rp_table_header(call->out, call->units, "runs, points, replicas, stored");
     CLI_ROW((double)counts->planned, (double)counts->points, (double)counts->replicas,
             (double)counts->stored);
 }
@@ -84,7 +84,7 @@ static rp_status act_run(cli_call *call, const void *values)
         .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = o->snapshot};
     rp_status status = read_shard(o->shard, &options.shard, &options.shards);
     if (!status) status = cli_sweep_run(cli_argument(call, 0), options, o->quiet, &counts);
-    if (!status || status == RP_NO_RESULT) cli_print_counts(&counts);
+    if (!status || status == RP_NO_RESULT) cli_print_counts(call, &counts);
     return status;
 }
 
@@ -110,10 +110,10 @@ static rp_status act_status_of(cli_call *call, const void *values)
     sweep_counts counts;
     RP_TRY(sweep_status(cli_argument(call, 0), sweep_protocols, &counts));
     const double left = counts.seconds * (double)(counts.planned - counts.stored);
-    rp_table_note(stdout, "running", "%zu", counts.running);
-    if (isfinite(left)) rp_table_note(stdout, "left", "%.3g s of one core", left);
-    if (*counts.shards) rp_table_note(stdout, "shards with missing runs", "%s", counts.shards);
-    cli_print_counts(&counts);
+    rp_table_note(call->out, "running", "%zu", counts.running);
+    if (isfinite(left)) rp_table_note(call->out, "left", "%.3g s of one core", left);
+    if (*counts.shards) rp_table_note(call->out, "shards with missing runs", "%s", counts.shards);
+    cli_print_counts(call, &counts);
     return RP_OK;
 }
 
@@ -165,10 +165,10 @@ static rp_status act_digest(cli_call *call, const void *values)
     char text[33];
     size_t rows;
     RP_TRY(sweep_digest(cli_argument(call, 0), sweep_protocols, text, &rows));
-    if (!cli_given(call, "json")) return printf("%s\t%zu\n", text, rows), RP_OK;
-    cli_provenance(call, stdout);
-    rp_table_note(stdout, "digest", "%s", text); /* a note is a text, even of digits alone */
-    rp_table_header(stdout, "runs");
+    if (!cli_given(call, "json")) return fprintf(call->out, "%s\t%zu\n", text, rows), RP_OK;
+    cli_provenance(call, call->out);
+    rp_table_note(call->out, "digest", "%s", text); /* a note is a text, even of digits alone */
+    rp_table_header(call->out, call->units, "runs");
     CLI_ROW((double)rows);
     return RP_OK;
 }

@@ -11,7 +11,7 @@
 
 CLI_OPTIONS(compare, COMPARE_OPTIONS)
 
-static void print_compare_header(rp_arena *arena)
+static void print_compare_header(const cli_call *call)
 {
     static const char *const parts[] = {"theta_t", "diff", "theta_rt", "gain"};
     const char *text = "mu, n, theta_r_deg [deg], theta_r_se_deg [deg], theta_t_deg [deg], "
@@ -20,14 +20,14 @@ static void print_compare_header(rp_arena *arena)
     for (int f = 0; f < ANG_N_FORMS; f++) {
         const char *form = ang_form_words[f];
         for (size_t k = 0; k < N_OF(parts); k++)
-            text = rp_text(arena, "%s, %s_%s_deg [deg], %s_%s_se_deg [deg]", text, parts[k], form, parts[k],
-                           form);
-        text = rp_text(arena, "%s, gain_relative_%s, gain_relative_%s_se", text, form, form);
+            text = rp_text(call->arena, "%s, %s_%s_deg [deg], %s_%s_se_deg [deg]", text, parts[k], form,
+                           parts[k], form);
+        text = rp_text(call->arena, "%s, gain_relative_%s, gain_relative_%s_se", text, form, form);
     }
-    rp_table_header(stdout, rp_text(arena, "%s, " RP_FAILED_COLUMNS ", status", text));
+    rp_table_header(call->out, call->units, rp_text(call->arena, "%s, " RP_FAILED_COLUMNS ", status", text));
 }
 
-static void print_comparison(rp_arena *arena, double mu, const ang_comparison *c, const char *failed)
+static void print_comparison(const cli_call *call, double mu, const ang_comparison *c, const char *failed)
 {
     enum { N_HEAD = 13, N_FORM = 10 };
     double v[N_HEAD + ANG_N_FORMS * N_FORM] = {mu,
@@ -54,7 +54,7 @@ static void print_comparison(rp_arena *arena, double mu, const ang_comparison *c
         *next++ = c->form[f].gain_relative.se;
         if (worst == ANG_TILT_OK) worst = c->form[f].status;
     }
-    rp_table_row_word(stdout, N_OF(v), v, rp_text(arena, "%s\t%s", failed, ang_tilt_words[worst]));
+    rp_table_row_word(call->out, N_OF(v), v, rp_text(call->arena, "%s\t%s", failed, ang_tilt_words[worst]));
 }
 
 static rp_status compare_table(cli_call *call, rp_table *table, const void *values)
@@ -72,9 +72,9 @@ static rp_status compare_table(cli_call *call, rp_table *table, const void *valu
         piles.column[1][i] *= deg, piles.column[2][i] *= deg;
     }
     gsl_rng *rng = rp_random_in(call->arena, (unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
-    cli_table(call, stdout);
-    rp_table_note(stdout, "rows", "%zu used, %zu left out", piles.n, table->n_rows - piles.n);
-    print_compare_header(call->arena);
+    cli_table(call, call->out);
+    rp_table_note(call->out, "rows", "%zu used, %zu left out", piles.n, table->n_rows - piles.n);
+    print_compare_header(call);
     for (size_t g = 0; g < piles.n_groups; g++) {
         const size_t first = piles.first[g];
         const ang_piles of = {piles.column[0][first], piles.first[g + 1] - first, piles.column[1] + first,
@@ -82,7 +82,7 @@ static rp_status compare_table(cli_call *call, rp_table *table, const void *valu
         ang_comparison c;
         RP_TRY(rp_prefix(ang_compare(&of, o->phi_deg * deg, (size_t)o->bootstrap, rng, &c),
                          "%s: mu = %g: ", table->path, of.mu));
-        print_comparison(call->arena, of.mu, &c,
+        print_comparison(call, of.mu, &c,
                          rp_failed_text(call->arena, table, NULL, 0, "mu", (double[]){of.mu, of.mu}));
     }
     return RP_OK;

@@ -14,7 +14,7 @@ CLI_OPTIONS(correlation, CORRELATION_OPTIONS)
 
 /* A row for each group of the rows, y before the columns of x; *found: one has a result, else it is the
  * status. */
-static rp_status print_correlations(rp_arena *arena, const rp_table *table, const rp_groups *groups,
+static rp_status print_correlations(const cli_call *call, const rp_table *table, const rp_groups *groups,
                                     const rp_rows *rows, size_t x, const char *name, bool *found)
 {
     rp_status status = RP_OK;
@@ -26,9 +26,9 @@ static rp_status print_correlations(rp_arena *arena, const rp_table *table, cons
         if (status && c.n < 4)
             return rp_prefix(status, "%s%s", groups->words[g], *groups->words[g] ? ": " : "");
         *found = *found || !status;
-        if (*groups->words[g]) printf("%s\t", groups->words[g]);
-        const char *failed = rp_failed_text(arena, table, groups, g, NULL, NULL);
-        CLI_ROW_WORD(rp_text(arena, "%s\t%s", failed, name), (double)c.n, c.value, c.se, c.lo, c.hi);
+        if (*groups->words[g]) fprintf(call->out, "%s\t", groups->words[g]);
+        const char *failed = rp_failed_text(call->arena, table, groups, g, NULL, NULL);
+        CLI_ROW_WORD(rp_text(call->arena, "%s\t%s", failed, name), (double)c.n, c.value, c.se, c.lo, c.hi);
     }
     return *found ? RP_OK : status;
 }
@@ -42,16 +42,17 @@ static rp_status correlation_of_table(cli_call *call, rp_table *table, const voi
     RP_TRY(rp_one_column("-y", o->y));
     RP_TRY(rp_group_rows(call->arena, table, o->by, '\t', &groups));
     RP_TRY(rp_rows_read(call->arena, table, names, &(rp_choice){.groups = &groups}, &rows));
-    cli_table(call, stdout);
-    rp_table_note(stdout, "rows", "%zu used, %zu without result, %zu with nan", rows.n, rows.n_failed,
+    cli_table(call, call->out);
+    rp_table_note(call->out, "rows", "%zu used, %zu without result, %zu with nan", rows.n, rows.n_failed,
                   rows.n_nan);
     rp_status status = rp_header_by(
         table, o->by,
-        "n, correlation, correlation_se, correlation_lo, correlation_hi, " RP_FAILED_COLUMNS ", quantity");
+        "n, correlation, correlation_se, correlation_lo, correlation_hi, " RP_FAILED_COLUMNS ", quantity",
+        call->out);
     strsep(&rest, ",");
     bool found = false;
     for (size_t x = 1; rest && (!status || status == RP_NO_RESULT); x++)
-        status = print_correlations(call->arena, table, &groups, &rows, x, strsep(&rest, ","), &found);
+        status = print_correlations(call, table, &groups, &rows, x, strsep(&rest, ","), &found);
     return rp_prefix(status, "%s: ", table->path);
 }
 

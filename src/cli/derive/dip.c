@@ -30,16 +30,16 @@ static rp_status read_rays(rp_arena *arena, const rp_table *t, double rays[HALF]
     return RP_OK;
 }
 
-static void print_dip(rp_arena *arena, const stress_dips *d, const dip_options *o, const char *failed)
+static void print_dip(const cli_call *call, const stress_dips *d, const dip_options *o, const char *failed)
 {
     const stats_summary *m = &d->middle, *e = &d->excess;
-    rp_table_header(stdout,
+    rp_table_header(call->out, call->units,
                     "n, middle, middle_se, middle_sd, middle_lo, middle_hi, p_value, p_margin, below, "
                     "below_se, excess, excess_se, excess_sd, excess_lo, excess_hi, " RP_FAILED_COLUMNS
                     ", verdict");
-    CLI_ROW_WORD(rp_text(arena, "%s\t%s", failed, stress_dip_word(d, o->level)), (double)m->n, m->mean, m->se,
-                 m->sd, m->lo, m->hi, d->p_value, d->p_margin, d->below, d->below_se, e->mean, e->se, e->sd,
-                 e->lo, e->hi);
+    CLI_ROW_WORD(rp_text(call->arena, "%s\t%s", failed, stress_dip_word(d, o->level)), (double)m->n, m->mean,
+                 m->se, m->sd, m->lo, m->hi, d->p_value, d->p_margin, d->below, d->below_se, e->mean, e->se,
+                 e->sd, e->lo, e->hi);
 }
 
 static rp_status dip_of_table(cli_call *call, rp_table *table, const void *values)
@@ -61,13 +61,13 @@ static rp_status dip_of_table(cli_call *call, rp_table *table, const void *value
     RP_TRY(read_rays(call->arena, table, rays));
     RP_TRY(rp_prefix(stress_dip_ensemble(piles.n, profiles, piles.column[STRESS_DIP_BINS], o->margin, &dips),
                      "%s: ", table->path));
-    cli_table(call, stdout);
-    rp_table_note(stdout, "rows", "%zu used, %zu left out", piles.n, table->n_rows - piles.n);
+    cli_table(call, call->out);
+    rp_table_note(call->out, "rows", "%zu used, %zu left out", piles.n, table->n_rows - piles.n);
     if (!o->profile) {
-        print_dip(call->arena, &dips, o, rp_failed_text(call->arena, table, NULL, 0, NULL, NULL));
+        print_dip(call, &dips, o, rp_failed_text(call->arena, table, NULL, 0, NULL, NULL));
         return RP_OK;
     }
-    rp_table_header(stdout, "distance [B], N [mean], N_se [mean], rays [mean]");
+    rp_table_header(call->out, call->units, "distance [B], N [mean], N_se [mean], rays [mean]");
     for (int k = 0; k < HALF; k++) CLI_ROW((k + 0.5) / STRESS_DIP_BINS, dips.N[k], dips.N_se[k], rays[k]);
     return RP_OK;
 }

@@ -32,13 +32,13 @@ static rp_status check_positive(const rp_table *t, const rp_rows *rows, int c, c
     return RP_OK;
 }
 
-static rp_status print_fit(rp_arena *arena, const stats_xy *points, bool logarithms, const double range[2],
-                           const char *failed)
+static rp_status print_fit(const cli_call *call, const stats_xy *points, bool logarithms,
+                           const double range[2], const char *failed)
 {
     const int n_lines = logarithms ? 1 : 2; /* the line through the origin would be that through (1, 1) */
     stats_line lines[2];
     for (int i = 0; i < n_lines; i++) RP_TRY(stats_line_fit(points, i == 1, &lines[i]));
-    rp_table_header(stdout,
+    rp_table_header(call->out, call->units,
                     "slope [y/x], slope_se [y/x], intercept [y], intercept_se [y], covariance [y^2/x], chi2, "
                     "dof, p_value, n, x_from [x], x_to [x], residual [y], " RP_FAILED_COLUMNS ", line");
     for (int i = 0; i < n_lines; i++) {
@@ -46,9 +46,9 @@ static rp_status print_fit(rp_arena *arena, const stats_xy *points, bool logarit
         double residual = 0.0;
         for (size_t k = 0; k < points->n; k++)
             residual = fmax(residual, fabs(points->y[k] - l->intercept - l->slope * points->x[k]));
-        CLI_ROW_WORD(rp_text(arena, "%s\t%s", failed, i == 1 ? "origin" : "free"), l->slope, l->slope_se,
-                     l->intercept, l->intercept_se, l->covariance, l->chi2, (double)l->dof, l->p_value,
-                     (double)l->n, range[0], range[1], residual);
+        CLI_ROW_WORD(rp_text(call->arena, "%s\t%s", failed, i == 1 ? "origin" : "free"), l->slope,
+                     l->slope_se, l->intercept, l->intercept_se, l->covariance, l->chi2, (double)l->dof,
+                     l->p_value, (double)l->n, range[0], range[1], residual);
     }
     return RP_OK;
 }
@@ -71,14 +71,14 @@ static rp_status fit_table(cli_call *call, rp_table *table, const void *values)
     double *x = rows.column[0], *y = rows.column[1];
     double range[2];
     const char *failed = rp_failed_text(call->arena, table, NULL, 0, o->x, choice.range);
-    cli_table(call, stdout);
-    rp_table_note(stdout, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", rows.n,
+    cli_table(call, call->out);
+    rp_table_note(call->out, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", rows.n,
                   rows.n_nan, rows.n_outside);
     gsl_stats_minmax(&range[0], &range[1], x, 1, rows.n);
     if (logarithms) RP_TRY(check_positive(table, &rows, 0, o->x, true));
     if (logarithms) RP_TRY(check_positive(table, &rows, 1, o->y, true));
     const stats_xy points = {rows.n, x, y, rows.column[2]};
-    return rp_prefix(print_fit(call->arena, &points, logarithms, range, failed), "%s: ", table->path);
+    return rp_prefix(print_fit(call, &points, logarithms, range, failed), "%s: ", table->path);
 }
 
 const cli_command cmd_stats_fit = {

@@ -15,9 +15,10 @@
 /* ---- piles out of their tables ---- */
 
 /* One step's rows of a table of a run's folder, or of PREFIX_..., one file of which names it too. */
-static rp_status read_block(rp_arena *arena, const char *prefix, bool contacts, const rp_texts *where,
+static rp_status read_block(cli_call *call, const char *prefix, bool contacts, const rp_texts *where,
                             const char *names, double **block, size_t *rows)
 {
+    rp_arena *arena = call->arena;
     const char *path, *end = strstr(prefix, "_contacts.tsv"); /* as a shell's * finds it */
     rp_table *table;
     if (rp_is_in(prefix, "contacts.tsv"))
@@ -26,6 +27,7 @@ static rp_status read_block(rp_arena *arena, const char *prefix, bool contacts, 
         RP_TRY(rp_path(arena, &path, "%.*s_%s.tsv", (int)(end ? end - prefix : (long)strlen(prefix)), prefix,
                        contacts ? "contacts" : "grains"));
     RP_TRY(rp_table_load(arena, path, &table));
+    call->units = rp_table_units(table);
     for (size_t i = 0; i < where->n; i++) RP_TRY(rp_table_where(table, where->items[i]));
     RP_TRY(rp_table_one_step(table));
     *rows = table->n_rows;
@@ -73,13 +75,14 @@ static double ground_of(const stress_pile *p, bool floor)
 }
 
 /* *floor as --floor has it; NULL: not needed. */
-static rp_status pile_read(rp_arena *arena, const char *prefix, const rp_texts *where, const long *floor,
+static rp_status pile_read(cli_call *call, const char *prefix, const rp_texts *where, const long *floor,
                            stress_pile *p)
 {
+    rp_arena *arena = call->arena;
     double *block;
-    RP_TRY(read_block(arena, prefix, true, where, "id_b,wall,x,y,x_b,y_b,normal_force,shear_force", &block,
+    RP_TRY(read_block(call, prefix, true, where, "id_b,wall,x,y,x_b,y_b,normal_force,shear_force", &block,
                       &p->n));
-    RP_TRY(read_block(arena, prefix, false, where, "x,y,m", &p->x, &p->n_grains));
+    RP_TRY(read_block(call, prefix, false, where, "x,y,m", &p->x, &p->n_grains));
     p->y = p->x + p->n_grains; /* columns of one block */
     p->m = p->y + p->n_grains;
     p->contacts = rp_arena_memory(arena, p->n, sizeof *p->contacts);
@@ -115,21 +118,21 @@ static rp_status check_size(const stress_pile *p, const char *prefix, double wid
 }
 
 /* The piles of all arguments, and the header of a table of them. */
-static rp_status read_piles(const cli_call *call, double width, const double *cell, const rp_texts *where,
+static rp_status read_piles(cli_call *call, double width, const double *cell, const rp_texts *where,
                             const long *floor, size_t *n, stress_pile **piles)
 {
     *n = 0;
     while (cli_argument(call, (int)*n)) ++*n;
     *piles = rp_arena_memory(call->arena, *n, sizeof **piles);
     for (size_t i = 0; i < *n; i++) {
-        RP_TRY(pile_read(call->arena, cli_argument(call, (int)i), where, floor, &(*piles)[i]));
-        /* a table has told its system of units, which is that of defaults too */
+        RP_TRY(pile_read(call, cli_argument(call, (int)i), where, floor, &(*piles)[i]));
+        /* the units of the table are those of defaults too */
         for (const rp_param *p = call->options; i == 0 && p->name; p++)
-            if (!call->given[p - call->options]) rp_params_default(p, call->values);
+            if (!call->given[p - call->options]) rp_params_default(p, call->units, call->values);
         RP_TRY(check_size(&(*piles)[i], cli_argument(call, (int)i), width, *cell));
     }
-    cli_table(call, stdout);
-    rp_table_note(stdout, "piles", "%zu", *n);
+    cli_table(call, call->out);
+    rp_table_note(call->out, "piles", "%zu", *n);
     return RP_OK;
 }
 
@@ -147,8 +150,8 @@ static rp_status print_field(cli_call *call, const void *values)
     const size_t cells = g.nx * g.ny;
     stress_tensor *mean = rp_arena_memory(call->arena, cells, sizeof *mean);
     RP_TRY(stress_mean_cells(n, piles, &g, mean));
-    if (g.y0 != 0.0) rp_table_note_number(stdout, "ground", g.y0, "cm");
-    rp_table_header(stdout,
+    if (g.y0 != 0.0) rp_table_note_number(call->out, "ground", g.y0, "cm");
+    rp_table_header(call->out, call->units,
                     "x/W, y/W, sxx [dyn/cm], sxy [dyn/cm], syx [dyn/cm], syy [dyn/cm], p [dyn/cm], shear "
                     "[dyn/cm], couple [dyn/cm], direction [rad], mobilised_deg [deg]");
     for (size_t k = 0; k < cells; k++) {
@@ -218,8 +221,8 @@ static rp_status print_base(cli_call *call, const void *values)
     const size_t cells = stress_floor_cells(n, piles, o->width, o->cell, &size);
     stress_floor *floor = rp_arena_memory(call->arena, cells, sizeof *floor);
     RP_TRY(stress_floor_forces(n, piles, size, o->g, cells, floor));
-    rp_table_note_number(stdout, "theta_r_deg", theta / deg, "");
-    rp_table_header(stdout,
+    rp_table_note_number(call->out, "theta_r_deg", theta / deg, "");
+    rp_table_header(call->out, call->units,
                     "x/W, N [dyn/cm], N_se [dyn/cm], H [dyn/cm], H_se [dyn/cm], weight [dyn/cm], through "
                     "[dyn/cm], imbalance [dyn/cm], H/N, N_theory [dyn/cm], H_theory [dyn/cm]");
     for (size_t j = 0; j < cells; j++) {

@@ -71,28 +71,28 @@ static double unscaled(int scale, double u)
     return scale == SCALE_LOG ? pow(10.0, u) : u;
 }
 
-static void print_trend(rp_arena *arena, const stats_trend *t, size_t n_rows, double p_holm,
+static void print_trend(const cli_call *call, const stats_trend *t, size_t n_rows, double p_holm,
                         const trend_options *o, const char *failed)
 {
     double lo[2], hi[2];
     stats_contrast_interval(&t->change, 0.95, &lo[0], &hi[0]);
     stats_contrast_interval(&t->change, 0.90, &lo[1], &hi[1]);
     const char *word = isnan(p_holm) ? "no_result" : stats_trend_word(t, p_holm, o->level);
-    CLI_ROW_WORD(rp_text(arena, "%s\t%s", failed, word), (double)t->n, (double)(n_rows - t->n),
+    CLI_ROW_WORD(rp_text(call->arena, "%s\t%s", failed, word), (double)t->n, (double)(n_rows - t->n),
                  (double)t->n_x, unscaled(o->scale, t->from), unscaled(o->scale, t->to), t->slope.value,
                  t->slope.se, t->slope.dof, t->change.value, t->change.se, lo[0], hi[0],
                  stats_contrast_p(&t->change), p_holm, t->bend.value, t->bend.se, stats_contrast_p(&t->bend),
                  lo[1], hi[1], t->p_margin, t->pair.value, t->pair.se, t->p_pairs);
 }
 
-static void print_size(rp_arena *arena, const stats_trend *t, double p_holm, const char *failed)
+static void print_size(const cli_call *call, const stats_trend *t, double p_holm, const char *failed)
 {
     double lo[2], hi[2];
     stats_contrast_interval(&t->intercept, 0.95, &lo[0], &hi[0]);
     stats_contrast_interval(&t->slope, 0.95, &lo[1], &hi[1]);
     const double p_bend = stats_contrast_p(&t->bend);
     const char *word = isnan(p_holm) ? "no_result" : p_bend < 0.05 ? "curved" : "ok";
-    CLI_ROW_WORD(rp_text(arena, "%s\t%s", failed, word), (double)t->n, (double)t->n_x, 1.0 / t->to,
+    CLI_ROW_WORD(rp_text(call->arena, "%s\t%s", failed, word), (double)t->n, (double)t->n_x, 1.0 / t->to,
                  1.0 / t->from, t->intercept.value, t->intercept.se, lo[0], hi[0], t->slope.value,
                  t->slope.se, lo[1], hi[1], stats_contrast_p(&t->slope), p_holm, p_bend);
 }
@@ -131,18 +131,18 @@ static rp_status fit_groups(const cli_call *call, const rp_table *t, const rows 
                    ? status
                    : rp_fail(RP_NO_RESULT, "no trend: numbers so large or small that their squares overflow");
     stats_holm(n_groups, p, p_holm);
-    cli_table(call, stdout);
-    rp_table_note(stdout, "rows", "%zu used, %zu without result, %zu with nan, %zu outside the range of x",
+    cli_table(call, call->out);
+    rp_table_note(call->out, "rows", "%zu used, %zu without result, %zu with nan, %zu outside the range of x",
                   r->of.n, r->of.n_failed, r->of.n_nan, r->of.n_outside);
-    if (*r->x_words) rp_table_note(stdout, "words", "%s", r->x_words);
-    RP_TRY(rp_header_by(t, o->by, size ? SIZE_COLUMNS : TREND_COLUMNS));
+    if (*r->x_words) rp_table_note(call->out, "words", "%s", r->x_words);
+    RP_TRY(rp_header_by(t, o->by, size ? SIZE_COLUMNS : TREND_COLUMNS, call->out));
     for (size_t g = 0; g < n_groups; g++) {
-        if (*r->groups.words[g]) printf("%s\t", r->groups.words[g]);
+        if (*r->groups.words[g]) fprintf(call->out, "%s\t", r->groups.words[g]);
         const char *failed = rp_failed_text(call->arena, t, &r->groups, g, o->x, (double[]){o->from, o->to});
         if (size)
-            print_size(call->arena, &fits[g], p_holm[g], failed);
+            print_size(call, &fits[g], p_holm[g], failed);
         else
-            print_trend(call->arena, &fits[g], r->of.first[g + 1] - r->of.first[g], p_holm[g], o, failed);
+            print_trend(call, &fits[g], r->of.first[g + 1] - r->of.first[g], p_holm[g], o, failed);
     }
     return RP_OK;
 }

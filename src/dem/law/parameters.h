@@ -62,7 +62,7 @@
       DEM_RANGE("(0, inf) | none"), DEM_NO_WALL, \
       DEM_MEANING("speed of impact at which the restitution of hertz holds; slower impacts lose more")) \
     X(MATERIAL, RP_REAL, gamma_n, DEM_KEY("gamma_n"), DEM_UNIT("1/s"), DEM_DEFAULT("auto"), DEM_RANGE("[0, inf)"), \
-      DEM_ALSO(" | auto"), DEM_AUTOMATIC(m->restitution > 0.0 || !rate ? -1.0 : rp_units_value("1/s", 500.0)), DEM_WALL(1.0), \
+      DEM_ALSO(" | auto"), DEM_AUTOMATIC(m->restitution > 0.0 || !rate ? -1.0 : rp_units_value(def->units, "1/s", 500.0)), DEM_WALL(1.0), \
       DEM_MEANING("normal damping" DEM_GAMMA_N_UNITS "; auto: by restitution, else 500/s")) \
     X(SCENE, RP_BOOL, tension, DEM_KEY("tension"), DEM_UNIT(""), DEM_DEFAULT("true"), DEM_RANGE(""), DEM_NO_WALL, \
       DEM_MEANING("whether the damped normal force may pull, as printed"))

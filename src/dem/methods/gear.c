@@ -14,11 +14,22 @@
 static const double correct_x = 3.0 / 16.0, correct_v = 251.0 / 360.0;
 static const double correct_q[4] = {1.0, 11.0 / 18.0, 1.0 / 6.0, 1.0 / 60.0};
 
+/* What it keeps: derivatives 2 to 5, x^(k) dt^k/k!. */
+typedef struct {
+    dem_vec q[4];
+} gear;
+_Static_assert(sizeof(gear) <= sizeof(dem_own), "room of an integrator");
+
+static inline gear *gear_of(const dem_sim *sim, size_t i)
+{
+    return (gear *)&sim->grains.own[i];
+}
+
 static void hold_fixed(dem_sim *sim)
 {
     dem_hold_fixed(sim);
     for (size_t k = 0; k < sim->grains.n_fixed; k++) {
-        sim->grains.gear[sim->grains.fixed[k]] = (dem_gear){0};
+        *gear_of(sim, sim->grains.fixed[k]) = (gear){0};
         sim->grains.excess[sim->grains.fixed[k]] = (dem_vec){0.0, 0.0};
     }
 }
@@ -29,7 +40,7 @@ static unsigned predict(dem_sim *sim)
     unsigned left = 0;
     for (size_t i = 0; i < sim->grains.n; i++) {
         dem_motion *grain = &sim->grains.motion[i];
-        dem_vec *q = sim->grains.gear[i].q;
+        dem_vec *q = gear_of(sim, i)->q;
         const dem_vec curve = q[0] + q[1] + q[2] + q[3];
         const dem_vec gain = 2.0 * q[0] + 3.0 * q[1] + 4.0 * q[2] + 5.0 * q[3]; /* of v dt */
         grain->x += grain->v * dt + curve;
@@ -51,7 +62,7 @@ static void correct(dem_sim *sim)
 {
     const double dt = sim->def.dt;
     for (size_t i = 0; i < sim->grains.n; i++) {
-        dem_gear *g = &sim->grains.gear[i];
+        gear *g = gear_of(sim, i);
         dem_vec error = 0.5 * dt * dt * dem_acceleration_of(sim, i) - g->q[0];
         sim->grains.excess[i] = correct_x * error;
         sim->grains.motion[i].x += sim->grains.excess[i];
@@ -75,14 +86,14 @@ static void start(dem_sim *sim, size_t from)
 {
     const double dt = sim->def.dt;
     for (size_t i = from; i < sim->grains.n; i++)
-        sim->grains.gear[i] = (dem_gear){.q[0] = 0.5 * dt * dt * dem_acceleration_of(sim, i)};
+        *gear_of(sim, i) = (gear){.q[0] = 0.5 * dt * dt * dem_acceleration_of(sim, i)};
     hold_fixed(sim);
 }
 
 static void change_gravity(dem_sim *sim, dem_vec change)
 {
     const double dt = sim->def.dt;
-    for (size_t i = 0; i < sim->grains.n; i++) sim->grains.gear[i].q[0] += 0.5 * dt * dt * change;
+    for (size_t i = 0; i < sim->grains.n; i++) gear_of(sim, i)->q[0] += 0.5 * dt * dt * change;
     hold_fixed(sim);
 }
 
@@ -122,7 +133,7 @@ const dem_scheme dem_scheme_gear5 = {
     .name = "gear5",
     .order = {4, 2}, /* until a third derivative that starts at 0 is wrong */
     .excess = true,
-    .derivatives = true,
+    .own = sizeof(gear),
     .step_limit = step_limit,
     .impact_limit = impact_limit,
     .start = start,

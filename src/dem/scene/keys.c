@@ -14,7 +14,7 @@
 static const rp_param top_schema[] = {
     DEM_GRAIN_PARAMS(OF_TOP){"steps", "", RP_INT, AT(dem_scene, steps), "20000", "[0, 2147483647]",
                              "how many steps to run"},
-    {"units", "", RP_CHOICE, AT(dem_scene, units), "cgs", RP_UNITS_WORDS,
+    {"units", "", RP_CHOICE, AT(dem_scene, def.units), "cgs", RP_UNITS_WORDS,
      "of the numbers here and of the tables; defaults are converted. sigma: diameter sigma and mass m of "
      "the default grain, and g"},
     {"skin", "cm", RP_REAL, AT(dem_scene, def.skin), "auto", "(0, inf) | auto", "of the neighbour list"},
@@ -214,7 +214,7 @@ rp_status dem_read_group(const config_setting_t *root, int number, void *values,
     *there = false;
     if (group) RP_TRY(dem_is_wanted(group, there));
     if (!*there) return RP_OK;
-    rp_params_defaults(SCHEMA(number), values);
+    rp_params_defaults(SCHEMA(number), rp_config_units(root), values);
     return rp_config_group(group, SCHEMA(number), values, "if");
 }
 

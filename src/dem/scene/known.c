@@ -7,7 +7,6 @@
 #include "core/elementary.h"
 #include "dem/scene/file.h"
 #include "dem/scene/radii.h"
-#include "params/units.h"
 
 static void end_scene(dem_scene *scene)
 {
@@ -17,7 +16,8 @@ static void end_scene(dem_scene *scene)
 /* A scene at its defaults, of which parts are read; it ends with the block. */
 #define PART_OF_SCENE(name)                                                                                  \
     RP_ENDS(end_scene) dem_scene name = {.def = dem_definition_default()};                                   \
-    rp_params_defaults(SCHEMA(TOP), &name)
+    rp_params_defaults(SCHEMA(TOP), rp_config_units(root), &name);                                           \
+    name.def.units = rp_config_units(root)
 
 /* Radius of the mean grain: of the first fill, of the particles, or of what a phase adds first, 0: unknown;
  * shape and density of all are put into the scene. */
@@ -78,7 +78,7 @@ rp_status dem_know(void *host, rp_let_constant which, double *value)
     const config_setting_t *root = config_root_setting(&((dem_text *)host)->config), *fill,
                            *gravity = member(root, "gravity");
     PART_OF_SCENE(scene);
-    double r, g[2] = {0.0, rp_units_value("cm/s^2", scene.def.gravity[1])};
+    double r, g[2] = {0.0, rp_units_value(scene.def.units, "cm/s^2", scene.def.gravity[1])};
     if (which == RP_LET_DT) {
         RP_TRY(rp_config_peek(root, SCHEMA(TOP), "dt", &scene));
         return *value = scene.laws.physics.dt, RP_OK;
@@ -146,7 +146,8 @@ rp_status dem_call(void *host, const char *name, int n, const double args[], dou
     if (n < 1 || n > 2 || !(args[0] >= 0.0) || isinf(args[0]) || (n == 2 && !(args[1] > 0.0)))
         return rp_fail(RP_BAD_INPUT, "dt_limit: a speed and, if wanted, a radius expected");
     RP_TRY(rp_config_peek(root, SCHEMA(TOP), "rotation integrator shape density", &scene));
-    for (int k = NORMAL; k <= ROLLING; k++) rp_params_defaults(SCHEMA(k), &scene.laws.physics);
+    for (int k = NORMAL; k <= ROLLING; k++)
+        rp_params_defaults(SCHEMA(k), scene.def.units, &scene.laws.physics);
     RP_TRY(dem_read_physics(root, &scene));
     RP_TRY(dem_read_walls(root, &scene));
     RP_TRY(dem_read_group(root, GROUND, &scene.def.ground, &there));

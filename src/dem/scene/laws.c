@@ -48,7 +48,7 @@ rp_status dem_laws_apply(const dem_scene_laws *laws, const dem_material *given, 
     dem_ends_apply(laws, def);
     memcpy(walls, dem_walls_of(&scene->def), scene->def.n_walls * sizeof *walls);
     for (size_t w = 0; w < scene->def.n_walls; w++) {
-        walls[w].material = dem_wall_material(&given[w], &laws->physics);
+        walls[w].material = dem_wall_material(def->units, &given[w], &laws->physics);
         RP_TRY(rp_prefix(dem_material_check(def, &walls[w].material), "wall %zu: ", w + 1));
     }
     def->wall_list = walls;

@@ -2,15 +2,14 @@
  * row X(name, value) of a list, of which the header and the rows are made. */
 #include <stdlib.h>
 
-#include "params/units.h"
 #include "table/table.h"
 #include "dem/scene/scene.h"
 #include "dem/state/state.h"
 
-#define NAME(name, value)    ", " name
-#define VALUE(name, value)   (double)(value),
-#define HEADER(out, COLUMNS) rp_table_header(out, &(COLUMNS(NAME))[2])
-#define ROW(out, COLUMNS)    put_row(out, sizeof(double[]){COLUMNS(VALUE)}, (double[]){COLUMNS(VALUE)})
+#define NAME(name, value)  ", " name
+#define VALUE(name, value) (double)(value),
+#define HEADER(COLUMNS)    rp_table_header(out, sim->def.units, &(COLUMNS(NAME))[2])
+#define ROW(out, COLUMNS)  put_row(out, sizeof(double[]){COLUMNS(VALUE)}, (double[]){COLUMNS(VALUE)})
 
 /* clang-format off */
 #define NOW(X) X("step", step) X("t [s]", dem_time(sim))
@@ -50,13 +49,13 @@ static void put_row(FILE *out, size_t size, const double *values)
     rp_table_row(out, size / sizeof *values, values);
 }
 
-void dem_write_columns(dem_table table, bool ledger, FILE *out)
+void dem_write_columns(dem_table table, const dem_sim *sim, FILE *out)
 {
     switch (table) {
-    case DEM_TABLE_STATES: HEADER(out, STATES); break;
-    case DEM_TABLE_ENERGY: ledger ? HEADER(out, WITH_LEDGER) : HEADER(out, ENERGIES); break;
-    case DEM_TABLE_CONTACTS: HEADER(out, CONTACTS); break;
-    case DEM_TABLE_WALLS: HEADER(out, WALLS); break;
+    case DEM_TABLE_STATES: HEADER(STATES); break;
+    case DEM_TABLE_ENERGY: sim->def.ledger ? HEADER(WITH_LEDGER) : HEADER(ENERGIES); break;
+    case DEM_TABLE_CONTACTS: HEADER(CONTACTS); break;
+    case DEM_TABLE_WALLS: HEADER(WALLS); break;
     }
 }
 
@@ -108,22 +107,24 @@ rp_status dem_write_rows(dem_table table, const dem_sim *sim, long step, FILE *o
 
 void dem_write_notes(const dem_sim *sim, FILE *out)
 {
+    const rp_units units = sim->def.units;
     const dem_material *c = &sim->def.material;
     const dem_normal_descriptor *law = &dem_normal_descriptors[sim->def.normal];
     const double r = sim->start.radius_mean, k_n = law->scale(c->k_n, 0.5 * r),
                  m_eff = 0.5 * sim->start.mass_mean, v = sim->start.speed;
     rp_table_note(out, "kernel", "%s", sim->loops.name);
     rp_table_note(out, "integrator", "%s", sim->scheme->name);
-    rp_table_note(out, "time step", "dt = %.4g %s; limit %s %s, set by %s", sim->def.dt, rp_unit("s"),
-                  rp_text_below(sim->start.dt_limit, (char[32]){0}), rp_unit("s"), sim->start.dt_limit_of);
+    rp_table_note(out, "time step", "dt = %.4g %s; limit %s %s, set by %s", sim->def.dt, rp_unit(units, "s"),
+                  rp_text_below(sim->start.dt_limit, (char[32]){0}), rp_unit(units, "s"),
+                  sim->start.dt_limit_of);
     if (!(c->k_n > 0.0)) return;
     if (law->sticking_speed && sim->def.tension)
         rp_table_note(out, "sticking speed", "%.3g %s: slower impacts of two mean grains do not part",
-                      law->sticking_speed(k_n, c->gamma_n, m_eff), rp_unit("cm/s"));
+                      law->sticking_speed(k_n, c->gamma_n, m_eff), rp_unit(units, "cm/s"));
     if (law->modulus)
         rp_table_note(out, "modulus", "E* = %.3g %s at the mean radius; k_n is the same for all radii",
-                      law->modulus(c->k_n, r), rp_unit("dyn/cm^2"));
-    rp_table_note(out, "normal damping", "gamma_n = %.6g %s", c->gamma_n, rp_unit(law->gamma_n_unit));
+                      law->modulus(c->k_n, r), rp_unit(units, "dyn/cm^2"));
+    rp_table_note(out, "normal damping", "gamma_n = %.6g %s", c->gamma_n, rp_unit(units, law->gamma_n_unit));
     if (law->damping_ratio)
         rp_table_note(out, "restitution", "%.4f of two mean grains, at any speed",
                       dem_restitution(sim->def.tension, law->damping_ratio(k_n, c->gamma_n, m_eff)));
@@ -132,13 +133,13 @@ void dem_write_notes(const dem_sim *sim, FILE *out)
                         m_eff,           sim->def.restitution_speed};
     if (!law->damping_ratio && isfinite(mean.v) && dem_collision(&mean, &impact) == RP_OK)
         rp_table_note(out, "restitution", "%.4f of two mean grains at %.4g %s; slower impacts lose more",
-                      impact.restitution, mean.v, rp_unit("cm/s"));
+                      impact.restitution, mean.v, rp_unit(units, "cm/s"));
     mean.v = v;
     if (!(v > 0.0) || dem_collision(&mean, &impact) != RP_OK) return;
     rp_table_note(
         out, "impact",
         "two mean grains at %.4g %s: restitution %.3f, overlap %.3g d, dt/contact time %.3g, error of the "
         "energy about %.2g %%",
-        v, rp_unit("cm/s"), impact.restitution, impact.overlap / (2.0 * r), sim->def.dt / impact.time,
+        v, rp_unit(units, "cm/s"), impact.restitution, impact.overlap / (2.0 * r), sim->def.dt / impact.time,
         100.0 * dem_impact_error(&mean, impact.restitution, sim->def.dt));
 }

@@ -25,7 +25,7 @@ rp_status dem_text_radii(rp_arena *arena, const config_setting_t *group, const c
     bool given = member(group, "radii") != NULL;
     for (const rp_param *row = dem_radii_schema; row->name; row++) given |= member(group, row->name) != NULL;
     *radii = (dem_fill){0};
-    rp_params_defaults(SCHEMA(FILL), radii);
+    rp_params_defaults(SCHEMA(FILL), rp_config_units(group), radii);
     if (as && !given) *radii = *as;
     RP_TRY(rp_config_group(group, dem_radii_schema, radii, others));
     if (given || !as) RP_TRY(read_radii(arena, group, radii));
@@ -35,7 +35,7 @@ rp_status dem_text_radii(rp_arena *arena, const config_setting_t *group, const c
 rp_status dem_peek_radii(rp_arena *arena, const config_setting_t *group, dem_fill *fill)
 {
     *fill = (dem_fill){0};
-    rp_params_defaults(SCHEMA(FILL), fill);
+    rp_params_defaults(SCHEMA(FILL), rp_config_units(group), fill);
     RP_TRY(rp_config_peek(group, SCHEMA(FILL),
                           "radius_mean radius_width radius_min radius_max radius_law by density", fill));
     RP_TRY(read_radii(arena, group, fill));
@@ -47,7 +47,7 @@ static rp_status check_fill(const config_setting_t *group, const dem_scene *scen
     char pattern[16];
     rp_status status = dem_radii_check(f);
     if (!status && f->density < 0.0)
-        status = dem_density_check(scene->laws.physics.shape, scene->has_density);
+        status = dem_density_check(scene->laws.physics.shape, scene->def.units, scene->has_density);
     if (status) return rp_config_fail(group, "%s", rp_message());
     if (f->N < 0 && f->pattern == DEM_PATTERN_RANDOM)
         return rp_config_fail(group, "N: missing (number of grains)");
@@ -67,7 +67,7 @@ static rp_status read_fill(const config_setting_t *group, dem_scene *scene, dem_
     rp_arena *arena = &scene->arena;
     const config_setting_t *polygon = member(group, "polygon");
     double *corners = NULL;
-    rp_params_defaults(SCHEMA(FILL), f);
+    rp_params_defaults(SCHEMA(FILL), scene->def.units, f);
     RP_TRY(rp_config_group(group, SCHEMA(FILL), f, "radii polygon if"));
     RP_TRY(read_radii(arena, group, f));
     if (polygon) RP_TRY(dem_read_points(arena, polygon, 3, &f->n_corners, &corners));

@@ -8,7 +8,6 @@
 
 #include "core/elementary.h"
 #include "dem/scene/file.h"
-#include "params/units.h"
 #include "table/columns.h"
 #include "table/where.h"
 
@@ -28,7 +27,7 @@ static rp_status add_grain(const dem_scene *scene, size_t i, size_t line)
     scene->lines[i] = line;
     if (p->m >= 0.0) return RP_OK;
     p->m = dem_mass(all->shape, all->density, p->r);
-    return dem_density_check(all->shape, scene->has_density);
+    return dem_density_check(all->shape, scene->def.units, scene->has_density);
 }
 
 static rp_status read_particles(const config_setting_t *list, dem_scene *scene)
@@ -38,7 +37,7 @@ static rp_status read_particles(const config_setting_t *list, dem_scene *scene)
     RP_TRY(alloc_grains(scene, length(list)));
     for (size_t i = 0; i < length(list); i++) {
         dem_grain *p = &scene->grains[i];
-        rp_params_defaults(SCHEMA(PARTICLES), p);
+        rp_params_defaults(SCHEMA(PARTICLES), scene->def.units, p);
         RP_TRY(rp_config_group(element(list, i), SCHEMA(PARTICLES), p, NULL));
         RP_TRY(add_grain(scene, i, config_setting_source_line(element(list, i))));
     }
@@ -46,7 +45,8 @@ static rp_status read_particles(const config_setting_t *list, dem_scene *scene)
 }
 
 /* A number; of a boolean also its word, as pandas spells it too. */
-static rp_status read_cell(const rp_table *table, size_t row, int column, const rp_param *key, dem_grain *p)
+static rp_status read_cell(const rp_table *table, size_t row, int column, const rp_param *key, rp_units units,
+                           dem_grain *p)
 {
     const char *cell = rp_cell(table, row, column);
     const bool word = strcasecmp(cell, "true") == 0 || strcasecmp(cell, "false") == 0;
@@ -56,7 +56,8 @@ static rp_status read_cell(const rp_table *table, size_t row, int column, const 
         return rp_fail(RP_BAD_INPUT, "%s:%zu: %s = %s: 0, 1, true or false expected", table->places[row].path,
                        table->places[row].line, key->name, cell);
     v.i = word ? tolower((unsigned char)*cell) == 't' : v.r != 0.0;
-    return rp_prefix(rp_params_set(key, p, &v), "%s:%zu: ", table->places[row].path, table->places[row].line);
+    return rp_prefix(rp_params_set(key, units, p, &v), "%s:%zu: ", table->places[row].path,
+                     table->places[row].line);
 }
 
 static rp_status read_particles_table(const rp_table *table, dem_scene *scene)
@@ -75,9 +76,9 @@ static rp_status read_particles_table(const rp_table *table, dem_scene *scene)
     RP_TRY(alloc_grains(scene, table->n_rows));
     for (size_t i = 0; i < table->n_rows; i++) {
         dem_grain *p = &scene->grains[i];
-        rp_params_defaults(keys, p);
+        rp_params_defaults(keys, scene->def.units, p);
         for (int c = 0; c < N; c++)
-            if (columns[c] >= 0) RP_TRY(read_cell(table, i, columns[c], &keys[c], p));
+            if (columns[c] >= 0) RP_TRY(read_cell(table, i, columns[c], &keys[c], scene->def.units, p));
         RP_TRY(add_grain(scene, i, table->places[i].line));
     }
     return RP_OK;
@@ -101,7 +102,8 @@ static rp_status take_step(rp_table *table, long wanted)
 }
 
 /* A table, whose relative name is meant from the scene file's folder, at one step. */
-static rp_status read_step(rp_arena *arena, const char *path, const char *name, long step, rp_table **table)
+static rp_status read_step(rp_arena *arena, const char *path, const char *name, long step, rp_units units,
+                           rp_table **table)
 {
     const char *slash = strrchr(path, '/');
     const int folder = slash && *name != '/' ? (int)(slash - path) + 1 : 0;
@@ -110,7 +112,7 @@ static rp_status read_step(rp_arena *arena, const char *path, const char *name, 
     for (size_t c = 0; c < (*table)->n_columns; c++) {
         char unit[32];
         rp_column_unit(*table, (int)c, unit);
-        RP_TRY(rp_prefix(rp_unit_check(unit), "%s: column %zu: ", name, c + 1));
+        RP_TRY(rp_prefix(rp_unit_check(units, unit), "%s: column %zu: ", name, c + 1));
     }
     return take_step(*table, step);
 }
@@ -173,13 +175,13 @@ rp_status dem_read_table(const char *path, dem_scene *scene)
 {
     rp_table *table, *contacts;
     RP_SCOPE(arena);
-    RP_TRY(read_step(&arena, path, scene->particles_file, scene->particles_step, &table));
+    RP_TRY(read_step(&arena, path, scene->particles_file, scene->particles_step, scene->def.units, &table));
     RP_TRY(read_particles_table(table, scene));
     rp_columns_beside(table, USED, scene->unused);
     if (!*scene->contacts_file) return RP_OK;
     const int step = rp_table_column(table, "step");
     RP_TRY(read_step(&arena, path, scene->contacts_file, step < 0 ? -1 : atol(rp_cell(table, 0, step)),
-                     &contacts));
+                     scene->def.units, &contacts));
     return read_contacts(&arena, table, contacts, scene);
 }
 

@@ -20,7 +20,7 @@ static rp_status add_wall(const dem_wall_entry *entry, dem_wall wall, dem_scene 
     }
     scene->given[n] = wall.material;
     scene->names[n] = entry->name;
-    wall.material = dem_wall_material(&wall.material, &scene->laws.physics);
+    wall.material = dem_wall_material(scene->def.units, &wall.material, &scene->laws.physics);
     rp_status status = dem_wall_check(&wall);
     if (!status) status = dem_material_check(def, &wall.material);
     ((dem_wall *)def->wall_list)[n] = wall;
@@ -106,7 +106,7 @@ static rp_status read_entry(rp_arena *arena, const config_setting_t *setting, de
         "point direction extent polygon circle velocity pivot corner_lower corner_upper";
     static const char *const of_line[] = {"point", "direction", "extent"};
     *entry = (dem_wall_entry){.line.extent = {-INFINITY, INFINITY}};
-    rp_params_defaults(SCHEMA(WALLS), entry);
+    rp_params_defaults(SCHEMA(WALLS), scene->def.units, entry);
     RP_TRY(rp_config_group(setting, SCHEMA(WALLS), entry, others));
     RP_TRY(dem_read_name(&scene->arena, setting, "name", &entry->name));
     RP_TRY(use_material(setting, scene, entry));

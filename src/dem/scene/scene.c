@@ -6,16 +6,12 @@
 #include "dem/scene/file.h"
 #include "dem/scene/radii.h"
 #include "dem/state/method.h"
-#include "params/units.h"
 
 rp_status dem_text_open(const char *name, const char *bytes, const rp_texts *changes, dem_text *text)
 {
-    const char *units = NULL;
     *text = (dem_text){.path = name};
     RP_TRY(bytes ? rp_config_read_text(name, bytes, &text->config) : rp_config_read(name, &text->config));
     for (size_t i = 0; changes && i < changes->n; i++) RP_TRY(dem_text_change(text, changes->items[i]));
-    config_lookup_string(&text->config, "units", &units);
-    rp_units_set(rp_units_find(units));
     return RP_OK;
 }
 
@@ -46,12 +42,13 @@ rp_status dem_text_scene(dem_text *text, dem_scene *scene)
 {
     static const char *const of_phases[] = {"measure", "regions", "rest", "result", NULL};
     config_setting_t *root = config_root_setting(&text->config);
+    const rp_units units = rp_config_units(root);
     dem_definition *def = &scene->def;
     dem_fill streams;
     bool there;
     *scene = (dem_scene){.def = dem_definition_default()};
-    rp_params_defaults(SCHEMA(TOP), scene);
-    def->gravity[1] = rp_units_value("cm/s^2", def->gravity[1]);
+    rp_params_defaults(SCHEMA(TOP), units, scene);
+    def->gravity[1] = rp_units_value(units, "cm/s^2", def->gravity[1]);
     text->lets.know = dem_know, text->lets.call = dem_call, text->lets.host = text;
     RP_TRY(rp_lets_read(root, &text->lets));
     if (member(root, "gravity")) RP_TRY(rp_config_pair(member(root, "gravity"), def->gravity));
@@ -61,7 +58,7 @@ rp_status dem_text_scene(dem_text *text, dem_scene *scene)
     dem_ends_apply(&scene->laws, def);
     def->turn_per_step = scene->turn_deg * (M_PI / 180.0);
     def->box_turn_per_step = scene->box_turn_deg * (M_PI / 180.0);
-    for (int k = NORMAL; k <= ROLLING; k++) rp_params_defaults(SCHEMA(k), &scene->laws.physics);
+    for (int k = NORMAL; k <= ROLLING; k++) rp_params_defaults(SCHEMA(k), units, &scene->laws.physics);
     RP_TRY(dem_read_physics(root, scene));
     RP_TRY(dem_read_walls(root, scene));
     RP_TRY(dem_read_group(root, GROUND, &def->ground, &there));
@@ -69,7 +66,7 @@ rp_status dem_text_scene(dem_text *text, dem_scene *scene)
     if (member(root, "implicit") && !dem_schemes[def->integrator]->solves)
         return rp_config_fail(member(root, "implicit"), "implicit: needs integrator = \"implicit\"");
     RP_TRY(dem_read_group(root, IMPLICIT, &def->implicit, &there));
-    rp_params_defaults(SCHEMA(OUTPUT), &scene->output);
+    rp_params_defaults(SCHEMA(OUTPUT), units, &scene->output);
     RP_TRY(dem_read_group(root, OUTPUT, &scene->output, &there));
     scene->phases = member(root, "phases") != NULL;
     for (const char *const *key = of_phases; !scene->phases && *key; key++)
@@ -84,7 +81,7 @@ rp_status dem_text_scene(dem_text *text, dem_scene *scene)
     }
     RP_TRY(check_seeds(root));
     /* seed and run of the text go before those of its first fill, and are for what phases add too */
-    rp_params_defaults(SCHEMA(FILL), &streams);
+    rp_params_defaults(SCHEMA(FILL), units, &streams);
     if (scene->fills) streams = *scene->fills;
     RP_TRY(rp_config_peek(root, SCHEMA(FILL), "seed run", &streams));
     scene->seed = streams.seed, scene->run = streams.run;

@@ -37,11 +37,10 @@ typedef struct {
     dem_grain *grains;
     size_t *lines; /* of the grains in their list */
     dem_scene_laws laws;
-    dem_material *given;           /* of the walls, as given */
-    const char **names;            /* of the walls, "" of one without; NULL: none has one */
-    double turn_deg, box_turn_deg; /* a step, of gravity and of the box */
-    bool has_density;              /* given, no default */
-    int units;
+    dem_material *given;                        /* of the walls, as given */
+    const char **names;                         /* of the walls, "" of one without; NULL: none has one */
+    double turn_deg, box_turn_deg;              /* a step, of gravity and of the box */
+    bool has_density;                           /* given, no default */
     const char *particles_file, *contacts_file; /* "": none; the text's own */
     long particles_step;                        /* -1: the last */
     char unused[256];                           /* columns of particles_file, if there are any */
@@ -84,7 +83,7 @@ extern const dem_scene_group dem_scene_schemas[];
  * id_b wall x y x_b y_b overlap normal_force shear_force shear_spring rolling_torque rolling_spring. Of all
  * walls, as dem_wall_now has them: wall x y direction_x direction_y from to fx fy. */
 typedef enum { DEM_TABLE_STATES, DEM_TABLE_ENERGY, DEM_TABLE_CONTACTS, DEM_TABLE_WALLS } dem_table;
-void dem_write_columns(dem_table table, bool ledger, FILE *out);
+void dem_write_columns(dem_table table, const dem_sim *sim, FILE *out);
 rp_status dem_write_rows(dem_table table, const dem_sim *sim, long step, FILE *out); /* RP_NO_MEMORY */
 
 /* Header lines on what the scene's numbers mean: dt against its limit and the contact time, restitution and

@@ -16,8 +16,8 @@ typedef struct {
     rp_lets lets;
 } dem_text;
 
-/* Read a file, or bytes that are there, and the changes of it, of which those of a let are given to the lets;
- * its units are those of all numbers from here on. Afterwards dem_text_close, also after an error. Errors:
+/* Read a file, or bytes that are there, and the changes of it, of which those of a let are given to the lets.
+ * Afterwards dem_text_close, also after an error. Errors:
  * RP_BAD_INPUT. */
 rp_status dem_text_open(const char *name, const char *bytes, const rp_texts *changes, dem_text *text);
 void dem_text_close(dem_text *text);

@@ -4,7 +4,6 @@
 
 #include "dem/scene/file.h"
 #include "dem/state/method.h"
-#include "params/units.h"
 
 static void write_pair(FILE *out, const char *key, const double pair[2])
 {
@@ -40,14 +39,13 @@ void dem_laws_write(const dem_scene_laws *laws, FILE *out)
 static void write_top(FILE *out, const dem_scene *scene)
 {
     const dem_definition *def = &scene->def;
-    const double density = scene->fills ? scene->fills->density : dem_physics_default().density;
+    const double density = scene->fills ? scene->fills->density : dem_physics_default(def->units).density;
     dem_scene file = {.def = *def,
                       .steps = scene->steps,
                       .laws = {dem_physics_of(def, density), dem_lower_end(def->x_min), def->x_max,
                                dem_lower_end(def->y_min)},
                       .turn_deg = def->turn_per_step * (180.0 / M_PI),
                       .box_turn_deg = def->box_turn_per_step * (180.0 / M_PI),
-                      .units = (int)rp_units_now(),
                       .particles_file = "",
                       .particles_step = -1,
                       .contacts_file = ""};
@@ -91,11 +89,11 @@ static void write_particles(FILE *out, const dem_scene *scene)
 
 /* A fill: the rows that it always had, then those that are not at their defaults, so that a new one leaves
  * keys as they are. */
-static void write_fill(FILE *out, const dem_fill *fill, double density)
+static void write_fill(FILE *out, rp_units units, const dem_fill *fill, double density)
 {
     dem_fill plain;
     char is[512], was[512];
-    rp_params_defaults(SCHEMA(FILL), &plain);
+    rp_params_defaults(SCHEMA(FILL), units, &plain);
     plain.density = density;
     for (const rp_param *row = SCHEMA(FILL); row->name; row++) {
         rp_params_text(row, fill, is, sizeof is), rp_params_text(row, &plain, was, sizeof was);
@@ -122,7 +120,7 @@ static void write_fills(FILE *out, const dem_scene *scene)
         if (isinf(fill.H)) fill.H = -1.0;
         if (!(fill.spacing > 0.0)) fill.spacing = -1.0;
         fputs(k ? ",\n{ " : "{ ", out);
-        write_fill(out, &fill, scene->fills->density);
+        write_fill(out, scene->def.units, &fill, scene->fills->density);
         write_points(out, "radii", fill.n_radii, fill.radii);
         write_points(out, "polygon", fill.n_corners, fill.corners);
         fputs("}", out);

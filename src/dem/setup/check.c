@@ -272,7 +272,7 @@ rp_status dem_material_check(const dem_definition *def, const dem_material *m)
         return rp_fail(
             RP_BAD_INPUT,
             "gamma_s: has no default for the law %s, whose gamma_n is a number; give a rate, in %s", law,
-            rp_unit("1/s"));
+            rp_unit(def->units, "1/s"));
     if (!dem_has_friction(def->tangential) && m->mu > 0.0)
         return rp_fail(RP_BAD_INPUT, "mu = %g: needs a tangential law, as spring", m->mu);
     if (!dem_has_friction(def->tangential) && m->mu_roll > 0.0)
@@ -288,13 +288,13 @@ rp_status dem_physics_check(const dem_definition *def)
     return dem_material_check(def, &def->material);
 }
 
-rp_status dem_density_check(dem_shape shape, bool given)
+rp_status dem_density_check(dem_shape shape, rp_units units, bool given)
 {
-    return given || shape != DEM_DISK || rp_units_now() == RP_CGS
+    return given || shape != DEM_DISK || units == RP_CGS
                ? RP_OK
                : rp_fail(RP_BAD_INPUT,
                          "density: the default is that of spheres; give that of the disks, a mass per area%s",
-                         rp_units_now() == RP_SI ? " in kg/m^2 (1 g/cm^2 is 10)" : "");
+                         units == RP_SI ? " in kg/m^2 (1 g/cm^2 is 10)" : "");
 }
 
 rp_status dem_radius_check(double mean, double least, double most)

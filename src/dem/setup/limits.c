@@ -288,7 +288,8 @@ double dem_time_step_limit(const dem_definition *def, dem_limit_name what)
 rp_status dem_refuse_step(const dem_definition *def, double limit, const char *what)
 {
     return rp_fail(RP_BAD_INPUT, "dt = %g: too large for %s, the limit is %s for impacts at %.3g %s", def->dt,
-                   what, rp_text_below(limit, (char[32]){0}), dem_impact_speed(def), rp_unit("cm/s"));
+                   what, rp_text_below(limit, (char[32]){0}), dem_impact_speed(def),
+                   rp_unit(def->units, "cm/s"));
 }
 
 /* Of a contact at the start. */

@@ -1,6 +1,5 @@
 /* The physical parameters, from what is given to a definition, see parameters.h; definitions that begin with
  * their defaults. */
-#include "params/units.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,10 +10,10 @@ static const rp_param schema[] = {
 #define ROW(...) DEM_NAME_ROW(dem_physics, , __VA_ARGS__)
     DEM_PHYSICS(ROW){0}};
 
-dem_physics dem_physics_default(void)
+dem_physics dem_physics_default(rp_units units)
 {
     dem_physics p;
-    rp_params_defaults(schema, &p);
+    rp_params_defaults(schema, units, &p);
     return p;
 }
 
@@ -79,9 +78,9 @@ bool dem_words_known(const dem_definition *def)
 #define AUTO(kind, type, name, ...) DEM_IF_MATERIAL(kind, .name = -1.0, )
 const dem_material dem_material_auto = {DEM_PHYSICS(AUTO)};
 
-dem_material dem_wall_material(const dem_material *given, const dem_physics *grains)
+dem_material dem_wall_material(rp_units units, const dem_material *given, const dem_physics *grains)
 {
-    const dem_definition laws = {.normal = grains->normal, .tangential = grains->tangential};
+    const dem_definition laws = {.normal = grains->normal, .tangential = grains->tangential, .units = units};
     dem_material m;
 #define WALL_VALUE(...) WALL_VALUE_OF(__VA_ARGS__)
 #define WALL_VALUE_OF(kind, type, name, key, unit, fallback, range, also, automatic, wall, ...)              \
@@ -177,7 +176,7 @@ dem_definition dem_definition_default(void)
         .x_max = INFINITY,
         .y_min = -INFINITY,
     };
-    dem_physics physics = dem_physics_default();
+    dem_physics physics = dem_physics_default(RP_CGS);
     physics.tangential = DEM_SPRING;
     physics.mu = 0.2;
     dem_physics_apply(&physics, &def);

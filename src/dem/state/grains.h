@@ -17,10 +17,10 @@ typedef struct {
     double torque, spare;
 } dem_force_torque;
 
-/* Derivatives 2 to 5 of the Gear scheme, x^(k) dt^k/k!. */
+/* Room for what an integrator keeps of a grain from step to step: a structure of its own file. */
 typedef struct {
-    dem_vec q[4];
-} dem_gear;
+    dem_vec room[4];
+} dem_own;
 
 /* How an array follows its grains. */
 typedef enum {
@@ -33,7 +33,7 @@ typedef enum {
 /* Type, name, the definitions and integrators that need it (NULL for others), role.
  *
  * motion, force or force_torque: see above; force is without rotation. inverse_mass: 0 where a grain is
- * fixed. angle, omega: omega is of half a step before, as velocities are. gear: of the Gear scheme. excess:
+ * fixed. angle, omega: omega is of half a step before, as velocities are. own: of the integrator. excess:
  * displacement since the last force evaluation beyond v dt, that shear springs lack; between steps, position
  * less that of the last force evaluation. listed_x: position as the neighbour list was built; margin2: square
  * of the distance that a grain may go from there; cutoff: radius and margin. fixed: indices of the n_fixed
@@ -53,7 +53,7 @@ typedef enum {
     X(double, angle, def->rotation, DEM_STATE)                                                               \
     X(double, omega, def->rotation, DEM_STATE)                                                               \
     X(double, inverse_inertia, def->rotation, DEM_STATE)                                                     \
-    X(dem_gear, gear, scheme->derivatives, DEM_STATE)                                                        \
+    X(dem_own, own, scheme->own > 0, DEM_STATE)                                                              \
     X(dem_vec, excess, scheme->excess, DEM_STATE)                                                            \
     X(dem_vec, listed_x, true, DEM_LISTED)                                                                   \
     X(double, margin2, true, DEM_LISTED)                                                                     \

@@ -31,10 +31,13 @@ typedef struct dem_scheme {
     bool rotation;     /* can rotate grains */
     bool hard;         /* has hard collisions */
     bool excess;       /* keeps excess displacements, which shear springs but mindlin take; see grains.h */
-    bool derivatives;  /* keeps further derivatives of the positions */
     bool solves;       /* solves each step for its displacements, as `implicit` of the definition says */
     bool runs_ahead;   /* grains may go on before the forces on all the others are there: parts for threads */
     bool even_margins; /* a step may move a grain by more than v dt: half the skin is every grain's margin */
+
+    /* Bytes that it keeps of a grain from step to step, at most a dem_own: a structure of its file. They
+     * follow the grain, and are in snapshots and clones; what else it needs of a step it makes anew. */
+    size_t own;
 
     /* Limits of its own; NULL for none. Errors: RP_BAD_INPUT. */
     rp_status (*check)(const dem_definition *def);

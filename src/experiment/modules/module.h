@@ -47,7 +47,7 @@ typedef struct {
      * first; the table of so many samples. Errors: RP_NO_RESULT; others. */
     size_t (*room)(const void *params);
     rp_status (*add)(const exp_view *view, const void *params, double sums[]);
-    void (*write)(const void *params, double samples, const double sums[], FILE *out);
+    void (*write)(const void *params, rp_units units, double samples, const double sums[], FILE *out);
 } exp_module;
 extern const rp_param exp_no_keys[]; /* the schema of one without parameters, a char */
 #define EXP_MODULE(NAME, ABOUT, WORD, KEYS, TYPE, OUTPUTS, NEEDS, ...)                                       \

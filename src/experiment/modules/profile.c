@@ -3,7 +3,6 @@
 
 #include "core/elementary.h"
 #include "experiment/modules/module.h"
-#include "params/units.h"
 #include "table/table.h"
 
 typedef struct {
@@ -67,19 +66,19 @@ static rp_status add(const exp_view *s, const void *params, double sums[])
     return RP_OK;
 }
 
-static void write(const void *params, double samples, const double sums[], FILE *out)
+static void write(const void *params, rp_units units, double samples, const double sums[], FILE *out)
 {
     const profile_params *p = params;
-    const char *const columns[][2] = {{p->along == ALONG_Y ? "y" : "x", rp_unit("cm")},
+    const char *const columns[][2] = {{p->along == ALONG_Y ? "y" : "x", "cm"},
                                       {"grains", ""},
                                       {"fraction", ""},
-                                      {"vx", rp_unit("cm/s")},
-                                      {"vy", rp_unit("cm/s")},
-                                      {"sxx", rp_unit("dyn/cm")},
-                                      {"sxy", rp_unit("dyn/cm")},
-                                      {"syy", rp_unit("dyn/cm")}};
+                                      {"vx", "cm/s"},
+                                      {"vy", "cm/s"},
+                                      {"sxx", "dyn/cm"},
+                                      {"sxy", "dyn/cm"},
+                                      {"syy", "dyn/cm"}};
     rp_table_note(out, "samples", "%.0f", samples);
-    rp_table_columns(out, 8, columns);
+    rp_table_columns(out, units, 8, columns);
     for (long k = 0; k < p->bins && samples > 0.0; k++) {
         const double *bin = &sums[HEAD + k * SUMS],
                      at = (sums[LOWER] + (sums[UPPER] - sums[LOWER]) * ((double)k + 0.5) / (double)p->bins);
