@@ -37,7 +37,6 @@ void cli_print_counts(const cli_call *call, const sweep_counts *counts)
     rp_table_note(call->out, "planned", "%zu", counts->planned);
     rp_table_note(call->out, "stored", "%zu", counts->stored);
     rp_table_note(call->out, "missing", "%zu", counts->planned - counts->stored);
-    if (*counts->skipped) rp_table_note(call->out, "left out, no stores yet", "%s", counts->skipped);
     if (sweep_count_aborted(counts) > 0)
         rp_table_note(call->out, "aborted", "%zu, to be tried again", sweep_count_aborted(counts));
     rp_table_columns(call->out, RP_CGS, 2, (const char *const[][2]){{"status", ""}, {"runs", ""}});
