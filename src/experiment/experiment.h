@@ -47,9 +47,9 @@ const exp_output *exp_outputs(const exp_plan *plan, size_t *n); /* ended by a NU
  * known folded, without names that are the text's own affair. NULL without memory; free it. */
 char *exp_key(const exp_plan *plan);
 
-/* Of what these n outputs depend on, whatever else is measured: scene, phases before `end` (SIZE_MAX: all),
- * their measures, and those that these ask. False if one is no output, or without memory. */
-bool exp_hash(const exp_plan *plan, const char *const outputs[], size_t n, size_t end, XXH128_hash_t *sum);
+/* Of what these n outputs depend on, whatever else is measured: scene, phases, their measures, and those that
+ * these ask. False if one is no output, or without memory. */
+bool exp_hash(const exp_plan *plan, const char *const outputs[], size_t n, XXH128_hash_t *sum);
 
 /* Start a run with the random streams (seed, stream, purpose). A scene that can't be filled is a run that has
  * ended. Afterwards exp_run_free, also after an error. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
@@ -95,18 +95,5 @@ void exp_series_write(const exp_run *run, size_t k, FILE *out);
 /* Write the state of a run into a snapshot, or read it into one that has been started. */
 void exp_keep(rp_snapshot *s, exp_run *run);
 uint64_t exp_keep_layout(void); /* a number that changes with what a snapshot holds */
-
-/* The states at the ends of phases with `keep`, from which a run that begins alike may start: 32 digits of
- * such a beginning, with these streams (errors: RP_NO_MEMORY); the bytes, which a run has once the phase has
- * ended, of n = 0 before. exp_begin reads a state into a run that has been started, and measures what the
- * state has no value of and that phase ends with; a last phase of steps or a time may be longer. Errors:
- * RP_NO_RESULT (the run is unchanged: the state lacks what is measured, or gone back to, before),
- * RP_BAD_INPUT, RP_NO_MEMORY. */
-size_t exp_kept_count(const exp_plan *plan);
-const char *exp_kept_name(const exp_plan *plan, size_t k);
-rp_status exp_kept_key(const exp_plan *plan, size_t k, unsigned long seed, unsigned long stream,
-                       char digits[33]);
-const rp_snapshot *exp_kept(const exp_run *run, size_t k);
-rp_status exp_begin(exp_run *run, size_t k, rp_snapshot *state);
 
 #endif

@@ -43,13 +43,11 @@ static void put_add(const writer *w, const exp_add *a)
     for (size_t k = 0; k < 2 * f->n_radii; k++) fprintf(out, " %a", f->radii[k]);
 }
 
-/* Without its number of steps or its time, where others may follow. */
-static void put_phase(const writer *w, const exp_phase *p, bool goes_on)
+static void put_phase(const writer *w, const exp_phase *p)
 {
     const exp_plan *const plan = w->plan;
     FILE *const out = w->out;
     static const char *const ends[] = {"steps", "time", "until"};
-    if (p->left_out) fputs("no ", out);
     fprintf(out, "phase %s of %ld every=%ld least=%ld most=%ld on=%d mark=%d status=%s repeat=%ld", p->name,
             p->block == SIZE_MAX ? -1L : (long)p->block, p->every, p->least, p->most, p->go_on, p->mark,
             p->status, p->repeat);
@@ -65,10 +63,7 @@ static void put_phase(const writer *w, const exp_phase *p, bool goes_on)
     }
     if (p->add.on) put_add(w, &p->add);
     if (p->opens >= 0) fprintf(out, " open=%s", plan->walls[p->opens].name);
-    if (goes_on && p->ending != EXP_UNTIL && p->end.x.known)
-        fprintf(out, " %s", ends[p->ending]);
-    else
-        put(w, ends[p->ending], &p->end);
+    put(w, ends[p->ending], &p->end);
     for (int k = 0; k < 2; k++) {
         put(w, "g", &p->gravity[k]);
         put(w, k ? "box" : "turn", &p->turn[k]);
@@ -113,8 +108,7 @@ static void put_measure(const writer *w, const exp_measure *m)
     fputc('\n', out);
 }
 
-/* The scene, and phases before `end`: of these those left out too, since a state has their numbers. */
-static void put_scene(const writer *w, size_t end)
+static void put_scene(const writer *w)
 {
     const exp_plan *const plan = w->plan;
     FILE *const out = w->out;
@@ -139,8 +133,8 @@ static void put_scene(const writer *w, size_t end)
         for (size_t c = 0; c < 2 * r->n_points; c++) put(w, "p", &r->points[c]);
         fputc('\n', out);
     }
-    for (size_t k = 0; k < end && k < plan->n_phases; k++)
-        if (end < SIZE_MAX || !plan->phases[k].left_out) put_phase(w, &plan->phases[k], k + 1 == end);
+    for (size_t k = 0; k < plan->n_phases; k++)
+        if (!plan->phases[k].left_out) put_phase(w, &plan->phases[k]);
 }
 
 char *exp_key(const exp_plan *plan)
@@ -152,7 +146,7 @@ char *exp_key(const exp_plan *plan)
                       rp_arena_memory(&arena, plan->n_measures, sizeof *w.asked)};
     if (!w.out) return NULL;
     if (w.asked) {
-        put_scene(&w, SIZE_MAX);
+        put_scene(&w);
         for (size_t k = 0; k < plan->n_measures; k++) put_measure(&w, &plan->measures[k]);
         fprintf(w.out, "result %s\n", plan->result);
     }
@@ -170,18 +164,18 @@ static void add_text(const writer *w, char *const *text, const size_t *size, siz
 }
 
 /* What has been at looks may differ with those of other measures. */
-static void put_looks(const writer *w, size_t end)
+static void put_looks(const writer *w)
 {
     const exp_plan *const plan = w->plan;
     if (!exp_names(plan, "touched") && !exp_names(plan, "tilt_deg")) return;
     for (const exp_measure *m = plan->measures; m < plan->measures + plan->n_measures; m++)
-        if (!m->left_out && *m->during && m->phase < end)
+        if (!m->left_out && *m->during)
             fprintf(w->out, "looks %s %ld\n", plan->phases[m->phase].name, m->every);
 }
 
-/* Of the scene and phases before `end`, SIZE_MAX: no scene; of the measures that are asked, or that one of
- * these asks: they ask earlier ones alone. */
-static bool hash(const exp_plan *plan, bool scene, size_t end, bool asked[], XXH128_hash_t *sum)
+/* Of the scene, and of the measures that are asked, or that one of these asks: they ask earlier ones alone.
+ */
+static bool hash(const exp_plan *plan, bool asked[], XXH128_hash_t *sum)
 {
     char *text = NULL;
     size_t size = 0, from = 0;
@@ -189,12 +183,10 @@ static bool hash(const exp_plan *plan, bool scene, size_t end, bool asked[], XXH
     const writer w = {plan, &arena, open_memstream(&text, &size), asked};
     *sum = (XXH128_hash_t){0};
     if (!w.out) return false;
-    if (scene) {
-        put_scene(&w, end);
-        put_looks(&w, end);
-        fprintf(w.out, "adds %d result %s\n", plan->adds, plan->result);
-        add_text(&w, &text, &size, &from, sum);
-    }
+    put_scene(&w);
+    put_looks(&w);
+    fprintf(w.out, "result %s\n", plan->result);
+    add_text(&w, &text, &size, &from, sum);
     for (size_t k = plan->n_measures; k-- > 0;) {
         if (!asked[k] || plan->measures[k].left_out) continue;
         put_measure(&w, &plan->measures[k]);
@@ -205,7 +197,7 @@ static bool hash(const exp_plan *plan, bool scene, size_t end, bool asked[], XXH
     return true;
 }
 
-bool exp_hash(const exp_plan *plan, const char *const outputs[], size_t n, size_t end, XXH128_hash_t *sum)
+bool exp_hash(const exp_plan *plan, const char *const outputs[], size_t n, XXH128_hash_t *sum)
 {
     bool *asked = calloc(plan->n_measures + 1, sizeof *asked), known = asked != NULL;
     for (size_t k = 0; k < n && known; k++) {
@@ -214,15 +206,7 @@ bool exp_hash(const exp_plan *plan, const char *const outputs[], size_t n, size_
         known = m != NULL;
         if (m) asked[m - plan->measures] = true;
     }
-    known = known && hash(plan, true, end, asked, sum);
-    free(asked);
-    return known;
-}
-
-bool exp_measure_hash(const exp_plan *plan, size_t k, XXH128_hash_t *sum)
-{
-    bool *asked = calloc(plan->n_measures + 1, sizeof *asked), known = asked != NULL;
-    if (known) asked[k] = true, known = hash(plan, false, 0, asked, sum);
+    known = known && hash(plan, asked, sum);
     free(asked);
     return known;
 }

@@ -89,7 +89,7 @@ static bool hash(const void *params, const sweep_output of[], XXH128_hash_t *dig
     bool known = plan_of(params, &plan) == RP_OK;
     if (known && of) {
         while (of[n].name) names[n] = of[n].name, n++;
-        known = exp_hash(plan, names, n, SIZE_MAX, digest);
+        known = exp_hash(plan, names, n, digest);
     } else if (known) {
         char *key = exp_key(plan);
         known = key != NULL;
@@ -184,52 +184,20 @@ static rp_status write_tables(const trace *t, const void *params)
     return sweep_table_close(&f, RP_OK);
 }
 
-/* Begin with the last end of a phase that a run has left, of a text that is the same up to there. */
-static rp_status begin_with_end(const trace *t, const sweep_keep *keep)
-{
-    char digits[33];
-    for (size_t k = exp_kept_count(t->plan); k-- > 0;) {
-        rp_snapshot end = {0};
-        rp_status status = exp_kept_key(t->plan, k, t->seed, t->stream, digits);
-        const bool found = !status && sweep_keep_find(keep, digits, &end);
-        if (found) status = exp_begin(t->run, k, &end);
-        rp_snapshot_free(&end);
-        if (status == RP_NO_RESULT) continue;
-        if (found || status) return status;
-    }
-    return RP_OK;
-}
-
-static rp_status leave_ends(const trace *t, const sweep_keep *keep)
-{
-    char digits[33];
-    for (size_t k = 0; k < exp_kept_count(t->plan); k++) {
-        if (exp_kept(t->run, k)->n == 0) continue;
-        RP_TRY(exp_kept_key(t->plan, k, t->seed, t->stream, digits));
-        sweep_keep_leave(keep, digits, exp_kept(t->run, k));
-    }
-    return RP_OK;
-}
-
-/* From its start, its snapshot or the end of a phase to the end. */
+/* From its start or its snapshot to the end. */
 static rp_status go(trace *t, sweep_keep *keep)
 {
     enum { PART = 1000 };
     exp_run *const run = t->run;
-    const bool ends = keep && keep->ends && !t->tables && exp_sim(run);
     const long every = t->tables ? t->tables->every : 0;
     RP_TRY(begin_trace(t));
-    if (ends && keep->source.n == 0) RP_TRY(begin_with_end(t, keep));
     RP_TRY(sweep_keep_resume(keep, keep_trace, t));
-    size_t stages = exp_stages(run);
     for (size_t k = 0; k < exp_phase_count(t->plan) && t->passes; k++)
         t->passes[k] = exp_phase_at(run, k).passes;
     while (!exp_done(run)) {
         const long step = exp_steps(run), left = every > 0 ? every - step % every : PART;
         RP_TRY(exp_advance(run, left < PART ? left : PART)); /* to the next row of energies */
         RP_TRY(note_phase(t, step));
-        if (ends && exp_stages(run) != stages) RP_TRY(leave_ends(t, keep));
-        stages = exp_stages(run);
         if (!exp_done(run)) RP_TRY(sweep_keep_look(keep));
     }
     return t->tables ? sweep_table_close(&t->energy, RP_OK) : RP_OK;

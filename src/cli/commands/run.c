@@ -31,9 +31,6 @@
     X(INT, j, "", "1", "[1, 256]",                                                                           \
       "threads of one scene of some 16000 grains or more; the bits are the same for any number")             \
     X(INT, row, "", "0", "[0, 2147483647]", "number of the sweep's run, from 0")                             \
-    X(TEXT, from, "", "", "",                                                                                \
-      "begin where a run in this folder has kept the end of a phase, of a text that is the same up to "      \
-      "there")                                                                                               \
     CLI_FORCE(X)                                                                                             \
     CLI_QUIET(X)
 
@@ -343,30 +340,15 @@ static rp_status open_result(const scene_run *r, const char *name, const char **
     return rp_file_open(*path, true, file);
 }
 
-/* A state at the end of a phase belongs to all texts that are the same up to there. */
-static rp_status state_of(const scene_run *r, size_t k, char owner[33], const char **name)
-{
-    *name = rp_text(r->of.call.arena, "end_%s.state", exp_kept_name(r->phases, k));
-    return exp_kept_key(r->phases, k, (unsigned long)r->scene.seed, (unsigned long)r->scene.run, owner);
-}
-
 static rp_status write_results(const scene_run *r)
 {
-    const char *path, *name;
+    const char *path;
     FILE *table;
     write_measures(r, stdout);
     if (!*r->o->o) return RP_OK;
     RP_TRY(open_result(r, "measures.tsv", &path, &table));
     write_measures(r, table);
     RP_TRY(rp_file_close(path, table, RP_OK));
-    for (size_t k = 0; k < exp_kept_count(r->phases); k++) {
-        const rp_snapshot *state = exp_kept(r->exp, k);
-        char owner[33];
-        if (state->n == 0) continue;
-        RP_TRY(state_of(r, k, owner, &name));
-        RP_TRY(open_result(r, name, &path, &table));
-        RP_TRY(rp_file_close(path, table, rp_snapshot_print(state, table, owner, layout())));
-    }
     for (size_t k = 0; exp_series_name(r->phases, k); k++) {
         RP_TRY(open_result(r, exp_series_name(r->phases, k), &path, &table));
         put_origin(&r->of, table);
@@ -560,34 +542,6 @@ static rp_status start(scene_run *r)
     return r->sim ? RP_OK : rp_fail(RP_NO_RESULT, "%s", exp_ended(r->exp)->message);
 }
 
-/* Begin at the last phase whose end the folder has, of a text that is the same up to there. */
-static rp_status begin_from(const char *path, scene_run *r)
-{
-    const char *const directory = r->o->from;
-    rp_arena *arena = r->of.call.arena;
-    char told[300] = "it has none";
-    if (!r->phases || exp_kept_count(r->phases) == 0)
-        return rp_fail(RP_USAGE, "--from %s: %s has no phase with keep = true", directory, path);
-    for (size_t k = exp_kept_count(r->phases); k-- > 0;) {
-        const char *state, *name;
-        char owner[33];
-        rp_snapshot s = {0};
-        RP_TRY(state_of(r, k, owner, &name));
-        RP_TRY(rp_path(arena, &state, "%s/%s", directory, name));
-        if (access(state, F_OK)) continue;
-        rp_status status = rp_snapshot_read(&s, state, owner, layout());
-        if (!status) status = exp_begin(r->exp, k, &s);
-        rp_snapshot_free(&s);
-        r->sim = exp_sim(r->exp);
-        if (!status)
-            return rp_path(arena, &r->of.start, "begins with the end of %s in %s",
-                           exp_kept_name(r->phases, k), directory);
-        snprintf(told, sizeof told, "%s", rp_message());
-    }
-    return rp_fail(RP_BAD_INPUT, "--from %s: no end of a phase that %s begins with: %s", directory, path,
-                   told);
-}
-
 static rp_status run_file(const cli_call *call, const char *path, const run_options *o)
 {
     RP_ENDS(free_run)
@@ -621,7 +575,6 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
     else if (*r.scene.particles_file && now.contacts > 0 && !r.scene.def.n_contacts &&
              dem_has_spring(r.scene.def.tangential))
         r.of.start = "grains touch, and their shear springs begin at 0; a bed at rest needs contacts_file";
-    if (!status && *o->from) RP_TRY(begin_from(path, &r));
     if (r.of.start) fprintf(stderr, "repose run: %s: %s\n", path, r.of.start);
     RP_TRY(status);
     if (!r.phases) r.energy = growth_of(&r.scene, r.sim);
@@ -639,7 +592,7 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
 
 static rp_status run_any(cli_call *call, const void *values)
 {
-    static const char *const of_scenes[] = {"j", "set", "from"};
+    static const char *const of_scenes[] = {"j", "set"};
     const char *path = cli_data(call->arena, cli_argument(call, 0));
     bool sweep;
     RP_TRY(is_sweep(path, &sweep));
@@ -685,6 +638,5 @@ const cli_command cmd_run = {
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
     run_params,
     .refuses = "A folder with a finished result, or with other files: give another one, or --force.\n"
-               "--row with a scene; --set, -j and --from with a sweep.\n"
-               "--from without a phase that keeps its end, or where the folder's text begins otherwise.",
+               "--row with a scene; --set and -j with a sweep.",
     .act = run_any};
