@@ -451,7 +451,7 @@ static void test_cuts(void)
 /* What changes a run changes its key; what does not, doesn't. Suite schemas has the keys. */
 static void test_keys(void)
 {
-    static const trial_change cases[] = {{lid, "load_y = -10.0", "load_y = `-5*2`", "same"},
+    static const trial_change cases[] = {{lid, "load_y = -10.0", "load_y = -1.00e1", "same"},
                                          {incline, "later = 0.2", "later = 0.25", "another"},
                                          {incline, "mu = 0.0; }; }; time", "mu = 0.1; }; }; time", "another"},
                                          {rain, "name = `floor`", "name = `ground`", "another"},

@@ -584,7 +584,8 @@ static void test_keys(void)
     /* what is replaced by what, and whether that may change the numbers; suite schemas has the keys */
     static const trial_change cases[] = {{hopper, "D = {", "/* outlet */ D = {", "same"},
                                          {hopper, "meaning = `outlet`", "meaning = `gap`", "same"},
-                                         {hopper, "grains < stop", "grains < 4*5", "same"},
+                                         {hopper, "stop = 20", "stop = 2.00e1", "same"},
+                                         {hopper, "grains < stop", "grains < 4*5", "another"},
                                          {hopper, "  { name = `packed`", "\n { name = `packed`", "same"},
                                          {hopper, "unit = `1/s`", "columns = [`rate`, `other`]", "another"},
                                          {hopper, "stop = 20", "stop = 21", "another"},
@@ -746,7 +747,7 @@ static void test_sweeps_refused(void)
         {"experiment = \"h.cfg\"; grid = { D = [1.0, 7.0]; };",
          "s.cfg:1: grid.D = 7: out of range, allowed: (0, 6) cm"},
         {"experiment = \"h.cfg\"; grid = { N = [60.0, 60.5]; };", "grid point N = 60.5: "},
-        {"experiment = \"h.cfg\"; grid = { unused = [1.0, 2.0]; };", "appears twice in the grid"},
+        {"experiment = \"h.cfg\"; grid = { unused = [1.0, 1.0]; };", "appears twice in the grid"},
         {"experiment = \"files.cfg\";", "particles_file: a text that is swept must be whole in itself"},
         {"experiment = \"included.cfg\";", "included.cfg:1: @include: a file must be whole in itself"},
         {"experiment = \"taken.cfg\";", "taken.cfg: sum is a column that every sweep has"},

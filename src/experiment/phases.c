@@ -23,6 +23,11 @@ dem_sim *exp_sim(const exp_run *run)
     return run->sim;
 }
 
+bool exp_is_cut(const exp_run *run)
+{
+    return run->cut;
+}
+
 long exp_steps(const exp_run *run)
 {
     return run->at.steps;
@@ -117,6 +122,7 @@ rp_status exp_start(const exp_plan *plan, unsigned long seed, unsigned long stre
     dem_scene scene = plan->scene;
     scene.seed = (long)seed, scene.run = (long)stream;
     for (int k = 0; k < 2; k++) scene.streams[k] = run->random[k];
+    scene.cut = &run->cut;
     rp_status status = fill(run, &scene);
     if (status == RP_NO_RESULT) return exp_conclude(run, "no_room", "%s", rp_message()), RP_OK;
     if (status) return rp_prefix(status, "%s: ", plan->text->path);
@@ -368,6 +374,8 @@ rp_status exp_advance(exp_run *run, long most)
     if (part > 0) {
         const rp_status status = go(run, part, p->each_step || exp_is_loaded(run));
         run->fresh = false;
+        const bool wrong = dem_sim_fault(run->sim) == DEM_FAULT_NON_FINITE;
+        if (status == RP_BROKEN && !exp_has_phases(run->plan->text)) return wrong ? status : RP_NO_RESULT;
         if (status == RP_BROKEN) {
             exp_conclude(run, dem_fault_text(dem_sim_fault(run->sim)), "%s", rp_message());
             return RP_OK;

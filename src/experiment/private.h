@@ -161,7 +161,7 @@ struct exp_plan {
     size_t *series;    /* measures with a table */
     exp_scope *scopes; /* in the order of the text */
     exp_move **loads;
-    bool adds; /* some phase does */
+    bool adds, asks_measures; /* some phase does */
     exp_region *regions;
     exp_wall *walls;
     exp_phase *phases;
@@ -230,6 +230,7 @@ struct exp_run {
     dem_sim *sim;
     rp_status failed; /* of a look */
     bool measuring;   /* what has no value ends no run, and leaves other measures alone */
+    bool cut;         /* walls did so with the region of a fill */
     bool no_region;   /* the region that was asked for last is faulty */
     bool ahead;       /* t and phase_step are those of the step to come, at its middle */
     struct {

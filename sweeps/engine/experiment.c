@@ -50,10 +50,12 @@ static rp_status plan_of(const void *params, exp_plan **plan)
 {
     experiment *e = (experiment *)experiment_of(params);
     *plan = NULL;
-    for (size_t k = e->n_lets; k < e->n_params; k++) {
+    for (const dem_named_key *k = dem_named_keys; k->key; k++) { /* in their order, whatever the sweep's */
         char value[64], change[160];
-        rp_params_text(&e->schema[k], params, value, sizeof value);
-        snprintf(change, sizeof change, "%s=%s", e->keys[k], value);
+        const rp_param *p = rp_params_find(e->schema + e->n_lets, k->param.name);
+        if (!p) continue;
+        rp_params_text(p, params, value, sizeof value);
+        snprintf(change, sizeof change, "%s=%s", k->key, value);
         RP_TRY(dem_text_change(&e->text, change));
     }
     for (const rp_param *p = e->schema; p < e->schema + e->n_lets; p++) {
@@ -81,23 +83,34 @@ static rp_status check(const void *params)
     return status;
 }
 
+/* Is an output of a measure among these? NULL: all are. */
+static bool is_asked(const exp_plan *plan, const exp_measured *m, const sweep_output of[])
+{
+    const exp_output *own = exp_outputs(plan, NULL) + m->output;
+    bool asked = !of && m->n_outputs > 0;
+    for (size_t k = 0; k < m->n_outputs; k++)
+        for (const sweep_output *o = of; o && o->name; o++) asked |= strcmp(o->name, own[k].name) == 0;
+    return asked;
+}
+
 static bool hash(const void *params, const sweep_output of[], XXH128_hash_t *digest)
 {
-    const char *names[SWEEP_MAX_OUTPUTS];
-    size_t n = 0;
     exp_plan *plan;
-    bool known = plan_of(params, &plan) == RP_OK;
-    if (known && of) {
-        while (of[n].name) names[n] = of[n].name, n++;
-        known = exp_hash(plan, names, n, digest);
-    } else if (known) {
-        char *key = exp_key(plan);
-        known = key != NULL;
-        if (key) *digest = XXH3_128bits(key, strlen(key));
-        free(key);
+    exp_measured m;
+    rp_status status = plan_of(params, &plan);
+    if (!status) status = exp_key(plan, digest);
+    for (size_t k = 0; !status && k < exp_measure_count(plan); k++) {
+        status = exp_measure_at(plan, k, &m);
+        if (!status && is_asked(plan, &m, of)) *digest = rp_hash_add(*digest, m.key);
+    }
+    for (const sweep_output *o = of; !status && o && o->name; o++) {
+        size_t n, k = 0;
+        const exp_output *own = exp_outputs(plan, &n);
+        while (k < n && strcmp(own[k].name, o->name) != 0) k++;
+        if (k == n) status = RP_NO_RESULT;
     }
     exp_free(plan);
-    return known;
+    return status == RP_OK;
 }
 
 static rp_status fingerprint(char digits[33])
@@ -365,9 +378,13 @@ rp_status sweep_protocol_open(const sweep_protocol *of, const char *path, const 
 
 void sweep_protocol_in(const sweep_protocol *p, rp_units units)
 {
-    if (!p->context) return;
-    open_in(p)->text.lets.foreign |= units != rp_units_now();
+    if (!p->context || units == rp_units_now()) return;
+    config_setting_t *root = config_root_setting(&open_in(p)->text.config),
+                     *key = config_setting_get_member(root, "units");
+    if (!key) key = config_setting_add(root, "units", CONFIG_TYPE_STRING);
     rp_units_set(units);
+    config_setting_set_string(key, rp_units_word()); /* what a key has */
+    open_in(p)->text.lets.foreign = true;
 }
 
 void sweep_protocol_also(const sweep_protocol *p, const char *name)
