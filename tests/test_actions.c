@@ -1,4 +1,4 @@
-/* What phases do: loads on walls, laws that change, grains that come and go, going back, kept ends. */
+/* What phases do: loads on walls, laws that change, grains that come and go, going back, tables. */
 #include "grains.h"
 #include "trial.h"
 
@@ -451,7 +451,7 @@ static void test_cuts(void)
 /* What changes a run changes its key; what does not, doesn't. Suite schemas has the keys. */
 static void test_keys(void)
 {
-    static const trial_change cases[] = {{lid, "load_y = -10.0", "load_y = `-5*2`", "same"},
+    static const trial_change cases[] = {{lid, "load_y = -10.0", "load_y = -1.00e1", "same"},
                                          {incline, "later = 0.2", "later = 0.25", "another"},
                                          {incline, "mu = 0.0; }; }; time", "mu = 0.1; }; }; time", "another"},
                                          {rain, "name = `floor`", "name = `ground`", "another"},
@@ -459,7 +459,6 @@ static void test_keys(void)
                                          {rain, "} ); }, { name = `q`; mark = true; steps = 1; }",
                                           "}, { name = `q`; mark = true; steps = 1; } ); }", "another"},
                                          {back, "from = `fill`; steps", "from = `one`; steps", "another"},
-                                         {back, "name = `three`;", "name = `three`; keep = true;", "same"},
                                          {back, "steps = 0;", "steps = 0; damp = true;", "another"}};
     check_keys(sizeof cases / sizeof *cases, cases);
 }
@@ -572,9 +571,9 @@ static void test_profile(void)
     FAILS(65, "measure mean: profile has a table of means, and no series", "run h.cfg");
 }
 
-/* ---- ends that are kept, and intervals of tables, by the command ---- */
+/* ---- intervals of tables, by the command ---- */
 
-static void test_kept(void)
+static void test_frames(void)
 {
     static const char text[] =
         "dt = 5e-5; let = { v = 20.0; late = 1; };\n"
@@ -582,7 +581,7 @@ static void test_kept(void)
         "0.0); }, { point = (2.0, 0.0); direction = (-1.0, 0.0); } );\n"
         "output = { states = 700; contacts = 0; energy = 100; };\n"
         "fill = { N = 30; W = 2.0; H = 3.0; };\n"
-        "phases = ( { name = `bed`; steps = 4000; keep = true; },\n"
+        "phases = ( { name = `bed`; steps = 4000; },\n"
         "  { name = `hit`; add = { r = 0.1; x = 1.0; y = `touch`; vy = `-v`; }; steps = 500; } );\n"
         "measure = ( { name = `before`; of = `y`; at = `bed`; }, { name = `after`; of = `y`; } );\n";
     write_trial("k.cfg", text);
@@ -607,58 +606,9 @@ static void test_kept(void)
     GOOD("run k.cfg -o all --every 1500");
     SHELL("cut -f1 all/contacts.tsv | grep -v '^#' | sort -nu | tr '\\n' ' ' >out");
     CU_ASSERT(strstr(out, "3000 4000 4500 ") != NULL);
-    SHELL("$REPOSE run k.cfg -o hit --from whole >/dev/null 2>err");
-    SHELL("cmp whole/end_bed.state hit/end_bed.state");
-    SHELL("grep -v '^#' whole/measures.tsv >a; grep -v '^#' hit/measures.tsv >b; cmp a b");
-    SHELL("grep -q '# start: begins with the end of bed in whole' hit/states.tsv");
-    SHELL("$REPOSE run k.cfg --from whole --set v=40.0 >c 2>err && ! cmp -s c b && grep -q before c");
-    FAILS(65, "of another run", "run k.cfg -o other --from whole --set fill.N=31");
-    FAILS(65, "it has none", "run k.cfg --from .");
-    SHELL("sed 's/ keep = true;//' k.cfg >n.cfg");
-    FAILS(64, "no phase with keep", "run n.cfg --from whole");
-    SHELL("printf x | dd of=whole/end_bed.state bs=1 seek=5000 conv=notrunc 2>/dev/null");
-    FAILS(65, "damaged", "run k.cfg --from whole");
-}
-
-/* A last phase that is kept goes on from its end, within a period of what shakes and between two samples: the
- * values are those of one run. A shorter one, or one that another follows, does not. */
-static void test_longer(void)
-{
-    static const char text[] =
-        "let = { n = 400; }; dt = 5e-5; fill = { N = 40; W = 2.0; H = 3.0; };\n"
-        "walls = ( { name = `box`; polygon = ((0.0, 9.0), (0.0, 0.0), (2.0, 0.0), (2.0, 9.0)); closed = "
-        "false; } "
-        ");\nphases = ( { name = `fall`; steps = 2000; }, { name = `shake`; steps = `n`; every = 50; keep = "
-        "true;\n"
-        "  walls = { box = { velocity = (0.0, `5*sin(700*t)`); }; }; fail = { low = `held(y > 0.49, 12)`; }; "
-        "} );\n"
-        "measure = ( { name = `before`; of = `y`; at = `fall`; },\n"
-        "  { name = `mean_y`; of = `y`; during = `shake`; take = `mean`; every = 70; series = true; },\n"
-        "  { name = `most`; of = `y`; during = `shake`; take = `max`; every = 30; },\n"
-        "  { name = `moves`; of = `change(y)`; during = `shake`; take = `mean`; every = 20; },\n"
-        "  { name = `late`; of = `sqrt(2800 - step)`; }, { name = `order`; of = `order`; },\n"
-        "  { name = `end`; of = `mean_y + vy`; } );\n";
-    write_trial("l.cfg", text);
-    GOOD("run l.cfg -o short");
-    SHELL("for at in 900 700; do $REPOSE run l.cfg --set n=$at -o whole --force | grep -v '^#' >a; $REPOSE "
-          "run l.cfg --set n=$at --from short -o more --force | grep -v '^#' >b; cmp a b && grep -v '^#' "
-          "whole/series_mean_y.tsv >a && grep -v '^#' more/series_mean_y.tsv | cmp - a || exit 1; done");
-    FAILS(65, "shake with 400 steps", "run l.cfg --set n=399 --from short");
-    /* looks before the end count */
-    scoped char *fails = changed(text, "0.49, 12", "0.49, 9"),
-                *follows = changed(text, "9, 12)`; }; }", "9, 12)`; }; }, { name = `rest_`; steps = 1; }");
-    write_trial("f.cfg", fails);
-    GOOD("run f.cfg -o kept");
-    FAILS(1, "low: phase shake, step ", "run f.cfg --set n=900");
-    scoped char *message = strdup(strstr(err, "low: "));
-    CU_ASSERT(run("run f.cfg --set n=900 --from kept") == 1 && strstr(err, message));
-    GOOD("run f.cfg --set n=410 -o odd");
-    FAILS(65, "shake with 410 steps", "run f.cfg --set n=900 --from odd");
-    write_trial("f.cfg", follows);
-    FAILS(65, "shake with 400 steps", "run f.cfg --set n=900 --from short");
 }
 
 CHECK_SUITE_WITHIN(actions, "actions", enter, leave, test_oscillator, test_column, test_first,
                    test_laws_change, test_halt, test_halt_in_contact, test_friction_changes, test_added,
                    test_touch, test_added_radii, test_base_order, test_fabric, test_back, test_back_to_loads,
-                   test_cuts, test_keys, test_refused, test_ends, test_kept, test_longer, test_profile)
+                   test_cuts, test_keys, test_refused, test_ends, test_frames, test_profile)

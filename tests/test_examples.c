@@ -209,13 +209,14 @@ static void biaxial(void)
 static void crater(void)
 {
     if (check_fast()) {
-        GOOD("params examples/crater.cfg");
+        GOOD("params examples/crater_bed.cfg");
         return;
     }
     double depth[2], force[2], time[2];
-    GOOD("run examples/crater.cfg -o bed");
+    SHELL("cp \"$REPOSE_DATA\"/examples/crater*.cfg .");
+    GOOD("run crater_bed.cfg -o bed");
     for (int k = 0; k < 2; k++) {
-        CU_ASSERT(run("run examples/crater.cfg --from bed --set v=%d", k ? 80 : 40) == 0);
+        CU_ASSERT(run("run crater.cfg --set v=%d", k ? 80 : 40) == 0);
         depth[k] = measured("crater.cfg", NULL, "depth"), force[k] = measured("crater.cfg", NULL, "force");
         time[k] = measured("crater.cfg", NULL, "stop_time");
     }

@@ -102,12 +102,9 @@ static const struct {
               {"", "contacts_file", "as its table", NULL},
               {"walls", "sides", "of a circle", "circle"},
               {"walls", "closed", "of a polygon", "polygon"},
-              {"fill", "seed", "streams are no part of the key", NULL},
-              {"fill", "run", "as seed", NULL},
               {"output", NULL, "tables, not numbers", NULL},
               {"phases", "go_on", "a block that is repeated goes on", "every"},
               {"measure", "prefix", "columns may have names of their own", "prefix"},
-              {"phases", "keep", "what is kept changes no number", NULL},
               {"lid", "load_y", "none, which nothing else replaces", NULL},
               {"measure", "series", "a table of the same samples", NULL},
               {"measure", "unit", "words", NULL},
@@ -139,11 +136,10 @@ static bool read_key(dem_text *text, XXH128_hash_t *key)
 {
     exp_plan *plan;
     const rp_status status = exp_read(text, &plan);
-    scoped char *whole = status ? NULL : exp_key(plan);
+    CU_ASSERT(!status || (status == RP_BAD_INPUT && *rp_message()));
+    if (!status) CHECK_OK(whole_key(plan, key));
     exp_free(plan);
-    CU_ASSERT(whole || (status == RP_BAD_INPUT && *rp_message()));
-    if (whole) *key = XXH3_128bits(whole, strlen(whole));
-    return whole != NULL;
+    return !status;
 }
 
 static bool key_of_change(size_t k, const char *change, XXH128_hash_t *key)

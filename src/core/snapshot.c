@@ -85,15 +85,6 @@ static head head_of(const rp_snapshot *s, const char *owner, uint64_t layout)
     return h;
 }
 
-rp_status rp_snapshot_print(const rp_snapshot *s, FILE *out, const char *owner, uint64_t layout)
-{
-    if (s->status) return s->status;
-    const head h = head_of(s, owner, layout);
-    const XXH128_hash_t hash = checksum(&h, s->bytes, s->n);
-    fwrite(&h, sizeof h, 1, out), fwrite(s->bytes, 1, s->n, out), fwrite(&hash, sizeof hash, 1, out);
-    return RP_OK;
-}
-
 rp_status rp_snapshot_write(rp_snapshot *s, const char *path, const char *owner, uint64_t layout)
 {
     if (s->status) return s->status;
@@ -103,7 +94,10 @@ rp_status rp_snapshot_write(rp_snapshot *s, const char *path, const char *owner,
     unlink(temporary); /* of a writer that was killed */
     FILE *out = fopen(temporary, "wxe");
     if (!out) return cannot_write(path);
-    const rp_status status = rp_file_close(path, out, rp_snapshot_print(s, out, owner, layout));
+    const head h = head_of(s, owner, layout);
+    const XXH128_hash_t hash = checksum(&h, s->bytes, s->n);
+    fwrite(&h, sizeof h, 1, out), fwrite(s->bytes, 1, s->n, out), fwrite(&hash, sizeof hash, 1, out);
+    const rp_status status = rp_file_close(path, out, RP_OK);
     return status || rp_file_sync_folder(path) ? status : cannot_write(path);
 }
 

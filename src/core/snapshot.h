@@ -40,9 +40,6 @@ void rp_keep_check(rp_snapshot *s, bool good, const char *what);
  * rp_snapshot_free follows. Errors: RP_IO, that of the status. */
 rp_status rp_snapshot_write(rp_snapshot *s, const char *path, const char *owner, uint64_t layout);
 
-/* The same into an open file, whose errors are the caller's. Errors: that of the status. */
-rp_status rp_snapshot_print(const rp_snapshot *s, FILE *out, const char *owner, uint64_t layout);
-
 /* Read a file that rp_snapshot_write made, for the rp_keep calls to come. rp_snapshot_free follows, also
  * after an error. Errors: RP_BAD_INPUT (no snapshot; truncated, damaged; of another format, model, layout or
  * owner; not a file), RP_NO_MEMORY. */

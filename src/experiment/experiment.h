@@ -27,7 +27,7 @@ typedef struct {
 } exp_word;
 exp_word exp_observable_at(size_t k); /* number k of the observables; a NULL name past the end */
 
-/* Does a text have phases? Without them it is a scene alone. */
+/* Does a text have phases? Without them it is a scene of one phase, of which nothing is measured. */
 bool exp_has_phases(const dem_text *text);
 
 /* Read scene, phases and measures of a text that is open, and stays so. Afterwards exp_free, also after an
@@ -43,13 +43,16 @@ void exp_keep_ledger(exp_plan *plan); /* by its runs */
 const dem_scene *exp_scene(const exp_plan *plan);
 const exp_output *exp_outputs(const exp_plan *plan, size_t *n); /* ended by a NULL name */
 
-/* All that the numbers of a run depend on but its streams, as a text: scene, phases and measures with what is
- * known folded, without names that are the text's own affair. NULL without memory; free it. */
-char *exp_key(const exp_plan *plan);
-
-/* Of what these n outputs depend on, whatever else is measured: scene, phases before `end` (SIZE_MAX: all),
- * their measures, and those that these ask. False if one is no output, or without memory. */
-bool exp_hash(const exp_plan *plan, const char *const outputs[], size_t n, size_t end, XXH128_hash_t *sum);
+/* The key of a run, beside its streams and the model: the hash of its text, without what is no physics (unit,
+ * meaning, comments, tables), and however a number is typed. Measures are no part of it, unless the run asks
+ * them: each has its own, of its text and of the measures that it asks. Errors: RP_NO_MEMORY. */
+rp_status exp_key(const exp_plan *plan, XXH128_hash_t *key);
+typedef struct {
+    XXH128_hash_t key;
+    size_t output, n_outputs; /* of the plan's, from `output` on; 0 of one that is left out */
+} exp_measured;
+size_t exp_measure_count(const exp_plan *plan);
+rp_status exp_measure_at(const exp_plan *plan, size_t k, exp_measured *measured);
 
 /* Start a run with the random streams (seed, stream, purpose). A scene that can't be filled is a run that has
  * ended. Afterwards exp_run_free, also after an error. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
@@ -62,11 +65,13 @@ rp_status exp_start_at(const exp_plan *plan, size_t phase, const dem_sim *sim, e
 void exp_run_free(exp_run *run);
 
 /* Go on by `most` steps, at least one, or to the next look or the end of a phase if that comes earlier. What
- * the run ends with is no error. Errors: RP_NO_MEMORY, RP_BROKEN. */
+ * the run ends with is no error. Errors: RP_NO_MEMORY, RP_BROKEN; RP_NO_RESULT (a scene without phases that
+ * is too soft, too fast, too hard to solve). */
 rp_status exp_advance(exp_run *run, long most);
 
 bool exp_done(const exp_run *run);
 dem_sim *exp_sim(const exp_run *run); /* NULL if there never was one */
+bool exp_is_cut(const exp_run *run);  /* walls cut the region of a fill: grains lie in its largest part */
 long exp_steps(const exp_run *run);   /* so far */
 const exp_end *exp_ended(const exp_run *run);
 const double *exp_values(const exp_run *run); /* of the outputs; NAN: none */
@@ -95,18 +100,5 @@ void exp_series_write(const exp_run *run, size_t k, FILE *out);
 /* Write the state of a run into a snapshot, or read it into one that has been started. */
 void exp_keep(rp_snapshot *s, exp_run *run);
 uint64_t exp_keep_layout(void); /* a number that changes with what a snapshot holds */
-
-/* The states at the ends of phases with `keep`, from which a run that begins alike may start: 32 digits of
- * such a beginning, with these streams (errors: RP_NO_MEMORY); the bytes, which a run has once the phase has
- * ended, of n = 0 before. exp_begin reads a state into a run that has been started, and measures what the
- * state has no value of and that phase ends with; a last phase of steps or a time may be longer. Errors:
- * RP_NO_RESULT (the run is unchanged: the state lacks what is measured, or gone back to, before),
- * RP_BAD_INPUT, RP_NO_MEMORY. */
-size_t exp_kept_count(const exp_plan *plan);
-const char *exp_kept_name(const exp_plan *plan, size_t k);
-rp_status exp_kept_key(const exp_plan *plan, size_t k, unsigned long seed, unsigned long stream,
-                       char digits[33]);
-const rp_snapshot *exp_kept(const exp_run *run, size_t k);
-rp_status exp_begin(exp_run *run, size_t k, rp_snapshot *state);
 
 #endif

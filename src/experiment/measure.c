@@ -336,16 +336,6 @@ void exp_measure_phase(exp_run *run, size_t phase)
     run->measuring = false;
 }
 
-void exp_measure_again(exp_run *run, size_t phase, const bool known[])
-{
-    run->measuring = true;
-    for (size_t k = 0; k < run->plan->n_measures && !run->failed; k++) {
-        const exp_measure *m = &run->plan->measures[k];
-        if (!m->left_out && m->phase == phase && !known[k]) measure(run, k);
-    }
-    run->measuring = false;
-}
-
 /* ---- series ---- */
 
 const char *exp_series_name(const exp_plan *plan, size_t k)

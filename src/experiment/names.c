@@ -101,7 +101,7 @@ const exp_measure *exp_measure_of(const exp_plan *plan, const char *name, size_t
 
 static rp_status find_measure(const exp_place *place, const char *name, rp_x_symbol *symbol, bool *known)
 {
-    const exp_plan *plan = place->plan;
+    exp_plan *plan = place->plan;
     size_t output;
     const exp_measure *m = exp_measure_of(plan, name, &output);
     if (!m) return RP_OK;
@@ -117,6 +117,7 @@ static rp_status find_measure(const exp_place *place, const char *name, rp_x_sym
         return rp_fail(RP_BAD_INPUT, "%s is known at the end of %s, after these samples", name,
                        plan->phases[block == SIZE_MAX ? m->phase : block].name);
     }
+    plan->asks_measures |= place->phase != SIZE_MAX;
     *symbol = (rp_x_symbol){
         .type = RP_X_NUMBER, .key = plan->outputs[output].name, .id = EXP_ID_MEASURE + (int)output};
     *known = true;

@@ -23,6 +23,11 @@ dem_sim *exp_sim(const exp_run *run)
     return run->sim;
 }
 
+bool exp_is_cut(const exp_run *run)
+{
+    return run->cut;
+}
+
 long exp_steps(const exp_run *run)
 {
     return run->at.steps;
@@ -55,7 +60,6 @@ static rp_status make_room(exp_run *run)
     RP_NEW(arena, run->loads, 2 * p->n_walls);
     RP_NEW(arena, run->points, p->n_regions);
     RP_NEW(arena, run->saved, p->n_phases);
-    RP_NEW(arena, run->kept, p->n_phases);
     RP_NEW(arena, run->passed, p->n_phases);
     for (size_t k = 0; k < p->n_regions; k++) RP_NEW(arena, run->points[k], 2 * p->regions[k].n_points);
     for (size_t k = 0; k < p->n_phases; k++) RP_NEW(arena, run->saved[k].loads, 2 * p->n_walls);
@@ -118,6 +122,7 @@ rp_status exp_start(const exp_plan *plan, unsigned long seed, unsigned long stre
     dem_scene scene = plan->scene;
     scene.seed = (long)seed, scene.run = (long)stream;
     for (int k = 0; k < 2; k++) scene.streams[k] = run->random[k];
+    scene.cut = &run->cut;
     rp_status status = fill(run, &scene);
     if (status == RP_NO_RESULT) return exp_conclude(run, "no_room", "%s", rp_message()), RP_OK;
     if (status) return rp_prefix(status, "%s: ", plan->text->path);
@@ -146,7 +151,6 @@ void exp_run_free(exp_run *run)
     if (!run) return;
     for (size_t k = 0; run->samples && k < run->plan->n_measures; k++) free(run->samples[k].at);
     for (size_t k = 0; run->saved && k < run->plan->n_phases; k++) dem_free(run->saved[k].sim);
-    for (size_t k = 0; run->kept && k < run->plan->n_phases; k++) rp_snapshot_free(&run->kept[k]);
     free(run->marks), free(run->kinds), free(run->states), free(run->contacts);
     dem_free(run->sim);
     rp_arena_end(&run->arena);
@@ -310,13 +314,6 @@ static void go_to_next(exp_run *run)
     if (next == plan->n_phases) exp_end_run(run);
 }
 
-static void end_phase(exp_run *run)
-{
-    const size_t phase = run->at.phase;
-    go_to_next(run);
-    if (run->plan->phases[phase].keep && !run->failed) exp_keep_end(run, phase);
-}
-
 /* All velocities become 0 where the kinetic energy begins to fall: it has passed a maximum. */
 static void damp(exp_run *run)
 {
@@ -345,7 +342,7 @@ static void look(exp_run *run, bool is_end)
                          p->fails[k].when.x.text);
     if (run->failed || run->at.done) return;
     if (p->ending == EXP_UNTIL && looks && exp_number(run, "until", &p->end) == 1.0) {
-        end_phase(run);
+        go_to_next(run);
         return;
     }
     if (p->damp && looks) damp(run);
@@ -361,7 +358,7 @@ static void look(exp_run *run, bool is_end)
         snprintf(run->at.end.message, sizeof run->at.end.message, "phase %s, after %ld steps", p->name,
                  run->at.phase_step);
     }
-    end_phase(run);
+    go_to_next(run);
 }
 
 rp_status exp_advance(exp_run *run, long most)
@@ -377,6 +374,8 @@ rp_status exp_advance(exp_run *run, long most)
     if (part > 0) {
         const rp_status status = go(run, part, p->each_step || exp_is_loaded(run));
         run->fresh = false;
+        const bool wrong = dem_sim_fault(run->sim) == DEM_FAULT_NON_FINITE;
+        if (status == RP_BROKEN && !exp_has_phases(run->plan->text)) return wrong ? status : RP_NO_RESULT;
         if (status == RP_BROKEN) {
             exp_conclude(run, dem_fault_text(dem_sim_fault(run->sim)), "%s", rp_message());
             return RP_OK;

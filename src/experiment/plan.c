@@ -129,16 +129,35 @@ static rp_status read_result(exp_plan *plan)
     return plan->result ? RP_OK : RP_NO_MEMORY;
 }
 
+/* A scene without phases is one of so many steps, of which nothing is measured. */
+static rp_status read_plain(exp_plan *plan)
+{
+    RP_NEW(&plan->arena, plan->phases, 1);
+    *plan->phases = (exp_phase){.setting = config_root_setting(&plan->text->config),
+                                .name = "scene",
+                                .status = "",
+                                .remove = "",
+                                .ending = EXP_STEPS,
+                                .end.x = {.known = true, .value = (double)plan->scene.steps},
+                                .every = 1,
+                                .opens = -1,
+                                .source = SIZE_MAX,
+                                .block = SIZE_MAX};
+    plan->n_phases = 1, plan->result = "ok";
+    return RP_OK;
+}
+
 static rp_status read(exp_plan *plan)
 {
     dem_text *text = plan->text;
     const config_setting_t *rest = config_lookup(&text->config, "rest");
     RP_TRY(dem_text_scene(text, &plan->scene));
+    if (!exp_has_phases(text)) return read_plain(plan);
     rp_status status = rp_lets_constant(&text->lets, RP_LET_G, &plan->g);
     if (!status) status = rp_lets_constant(&text->lets, RP_LET_D, &plan->d);
     if (!status) status = rp_lets_constant(&text->lets, RP_LET_M, &plan->m);
     RP_TRY(rp_prefix(status, "%s: ", text->path));
-    if (config_lookup(&text->config, "phases") && config_lookup(&text->config, "steps"))
+    if (config_lookup(&text->config, "steps"))
         return rp_config_fail(config_lookup(&text->config, "steps"),
                               "steps: a text with phases ends with their last");
     RP_TRY(read_result(plan));

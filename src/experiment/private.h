@@ -94,7 +94,7 @@ typedef struct {
     /* by schema */
     const char *name, *open, *status;
     long least, every, most, repeat;
-    bool mark, go_on, damp, keep;
+    bool mark, go_on, damp;
     const char *from, *remove;
     /* by hand */
     const config_setting_t *setting;
@@ -157,11 +157,11 @@ struct exp_plan {
         long looks, every;
     } rest;
     size_t n_scopes, n_regions, n_walls, n_phases, n_measures, n_outputs, n_uses, n_states, n_kinds, n_loads,
-        n_series, n_kept;
-    size_t *series, *kept; /* measures with a table; phases whose ends are kept */
-    exp_scope *scopes;     /* in the order of the text */
+        n_series;
+    size_t *series;    /* measures with a table */
+    exp_scope *scopes; /* in the order of the text */
     exp_move **loads;
-    bool adds; /* some phase does */
+    bool adds, asks_measures; /* some phase does */
     exp_region *regions;
     exp_wall *walls;
     exp_phase *phases;
@@ -177,9 +177,6 @@ const exp_scope *exp_scope_named(const exp_plan *plan, unsigned sorts, const cha
 
 /* The measure with an output of this name; NULL: there is none. */
 const exp_measure *exp_measure_of(const exp_plan *plan, const char *name, size_t *output);
-
-/* Of all that a measure is made of besides the run; false without memory. */
-bool exp_measure_hash(const exp_plan *plan, size_t k, XXH128_hash_t *sum);
 
 /* Where an expression stands: what it may name. */
 typedef struct {
@@ -233,6 +230,7 @@ struct exp_run {
     dem_sim *sim;
     rp_status failed; /* of a look */
     bool measuring;   /* what has no value ends no run, and leaves other measures alone */
+    bool cut;         /* walls did so with the region of a fill */
     bool no_region;   /* the region that was asked for last is faulty */
     bool ahead;       /* t and phase_step are those of the step to come, at its middle */
     struct {
@@ -257,7 +255,6 @@ struct exp_run {
     gsl_rng *random[2];        /* radii and places of the first fill, then of grains that are added */
     exp_saved *saved;          /* of phases */
     exp_passed *passed;        /* of phases; their names aside */
-    rp_snapshot *kept;         /* of phases: their ends, for other runs */
     double **points;           /* of regions: the corners of a polygon, as they were last asked for */
     struct {
         double r, y, touch;
@@ -278,9 +275,6 @@ void exp_end_run(exp_run *run);
 
 /* From this phase on, the next that is not left out: of a block, or of the text. */
 size_t exp_present(const exp_plan *plan, size_t phase, size_t end);
-
-/* Keep the end of a phase, in the run. */
-void exp_keep_end(exp_run *run, size_t phase);
 
 const dem_physics *exp_laws(const exp_run *run); /* that hold */
 double exp_value(exp_run *run, const exp_expression *e);
@@ -342,7 +336,6 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
 /* Take the samples of a look; the values of the measures of a phase that has ended. */
 void exp_sample(exp_run *run);
 void exp_measure_phase(exp_run *run, size_t phase);
-void exp_measure_again(exp_run *run, size_t phase, const bool known[]); /* at its end, those not known */
 void exp_measures_in(const exp_run *run, long *next); /* lowered to the steps to the next sample */
 long exp_known_steps(const exp_phase *p);   /* -1: it ends by a condition, or by what the run alone knows */
 long exp_next_look(long since, long every); /* steps to it, so many after looks have begun */

@@ -25,10 +25,6 @@ const rp_param exp_phase_schema[] = {
      "whether all grains stop at each look at which the kinetic energy has fallen since the last"},
     {"from", "", RP_TEXT, IN(from), "", "", "earlier phase to whose end the run first goes back"},
     {"remove", "", RP_TEXT, IN(remove), "", "", "region whose grains are taken out at the start"},
-    {"keep", "", RP_BOOL, IN(keep), "false", "",
-     "whether the state at the end is kept: by `repose run -o` for `--from`, by a sweep for other measures "
-     "and "
-     "for rows of shared piles"},
     {"repeat", "", RP_INT, IN(repeat), "auto", "[1, 1000000000] | auto", "passes of a block"},
     {0}};
 
@@ -247,9 +243,7 @@ static rp_status name_phase(exp_plan *plan, const config_setting_t *setting, siz
         return rp_config_fail(setting, "name = \"%s\": up to 23 letters, digits and _ expected", p->name);
     if (exp_scope_named(plan, EXP_PHASE, p->name, strlen(p->name), NULL))
         return rp_config_fail(setting, "name = \"%s\": names two phases", p->name);
-    const config_setting_t *own = exp_has_key(setting, "least every most open mark damp remove keep");
-    if (block != SIZE_MAX && p->keep)
-        return rp_config_fail(member(setting, "keep"), "keep: of phases outside of a block");
+    const config_setting_t *own = exp_has_key(setting, "least every most open mark damp remove");
     if (has_inner && own)
         return rp_config_fail(own, "%s: of a block's phases, not of the block", config_setting_name(own));
     if (!has_inner && p->repeat >= 0)
@@ -399,9 +393,6 @@ rp_status exp_name_phases(exp_plan *plan)
     RP_NEW(&plan->arena, plan->phases, exp_count_phases(list));
     RP_TRY(name_phases(plan, list, SIZE_MAX));
     RP_NEW(&plan->arena, plan->loads, plan->n_loads);
-    RP_NEW(&plan->arena, plan->kept, plan->n_phases);
-    for (size_t k = 0; k < plan->n_phases; k++)
-        if (plan->phases[k].keep && !plan->phases[k].left_out) plan->kept[plan->n_kept++] = k;
     plan->n_loads = 0; /* known so far */
     return RP_OK;
 }

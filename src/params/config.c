@@ -289,10 +289,12 @@ void rp_config_write_text(FILE *out, const char *text)
     fputc('"', out);
 }
 
-void rp_config_write_value(FILE *out, const config_setting_t *setting)
+/* As it is read back to the bit; or, `plain`, each number in one form, whole or not. */
+static void write_value(FILE *out, const config_setting_t *setting, bool plain)
 {
     rp_value v;
     if (!rp_config_scalar(setting, &v)) {
+        if (v.kind == RP_V_INT && plain) v = (rp_value){.kind = RP_V_REAL, .r = (double)v.i};
         if (v.kind == RP_V_REAL) fprintf(out, isinf(v.r) ? "\"%g\"" : "%.17e", v.r);
         if (v.kind == RP_V_INT) fprintf(out, "%ld", v.i);
         if (v.kind == RP_V_BOOL) fputs(v.i ? "true" : "false", out);
@@ -305,8 +307,18 @@ void rp_config_write_value(FILE *out, const config_setting_t *setting)
         const config_setting_t *part = element(setting, i);
         if (named) fprintf(out, "%s = ", config_setting_name(part));
         if (!named && i) fputs(", ", out);
-        rp_config_write_value(out, part);
+        write_value(out, part, plain);
         if (named) fputs("; ", out);
     }
     fputs(named ? "}" : " )", out);
+}
+
+void rp_config_write_value(FILE *out, const config_setting_t *setting)
+{
+    write_value(out, setting, false);
+}
+
+void rp_config_write_key(FILE *out, const config_setting_t *setting)
+{
+    write_value(out, setting, true);
 }

@@ -50,6 +50,9 @@ rp_status rp_config_value(const config_setting_t *setting, const rp_param *param
 void rp_config_write_text(FILE *out, const char *text);
 void rp_config_write_value(FILE *out, const config_setting_t *setting);
 
+/* The same for keys: however its numbers are typed. */
+void rp_config_write_key(FILE *out, const config_setting_t *setting);
+
 /* Write "name = value; " for each parameter of a schema; rp_config_group reads the same bits back. */
 void rp_config_write(FILE *out, const rp_param *schema, const void *values);
 

@@ -537,20 +537,6 @@ int rp_expression_asks(const rp_expression *e, size_t k)
     return -1;
 }
 
-char *rp_expression_key(rp_arena *arena, const rp_expression *e)
-{
-    char number[32], *key = rp_text(arena, "%s", e->type == RP_X_WORD ? e->word : "");
-    for (size_t i = 0; i < e->n && key; i++) {
-        const rp_x_step *s = &e->steps[i];
-        const bool named = s->kind == X_NAME || s->kind == X_KNOWN,
-                   numbered = s->kind == X_NUMBER || s->kind == X_POWER || s->kind == X_HELD;
-        key = rp_text(arena, "%s%s%s%s%s", key, i ? " " : "",
-                      numbered ? rp_number_text(s->number, 6, number, sizeof number) : "",
-                      named ? s->key : "", kinds[s->kind].text);
-    }
-    return key;
-}
-
 char *rp_expression_operands(rp_arena *arena, const rp_expression *e, const rp_x_values *values)
 {
     char *text = rp_text(arena, "%s", "");

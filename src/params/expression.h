@@ -70,9 +70,6 @@ double rp_expression_value(const rp_expression *e, const rp_x_values *values, do
 /* The id of name number k that the value is asked of; -1 past the last. */
 int rp_expression_asks(const rp_expression *e, size_t k);
 
-/* Its postfix, for keys: what is known is folded, names are the host's. Without memory NULL. */
-char *rp_expression_key(rp_arena *arena, const rp_expression *e);
-
 /* "grains = 12, mu = nan": the names of an expression with their values, for messages. */
 char *rp_expression_operands(rp_arena *arena, const rp_expression *e, const rp_x_values *values);
 

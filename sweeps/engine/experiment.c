@@ -48,10 +48,12 @@ static rp_status plan_of(const void *params, exp_plan **plan)
 {
     experiment *e = (experiment *)experiment_of(params);
     *plan = NULL;
-    for (size_t k = e->n_lets; k < e->n_params; k++) {
+    for (const dem_named_key *k = dem_named_keys; k->key; k++) { /* in their order, whatever the sweep's */
         char value[64], change[160];
-        rp_params_text(&e->schema[k], params, value, sizeof value);
-        snprintf(change, sizeof change, "%s=%s", e->keys[k], value);
+        const rp_param *p = rp_params_find(e->schema + e->n_lets, k->param.name);
+        if (!p) continue;
+        rp_params_text(p, params, value, sizeof value);
+        snprintf(change, sizeof change, "%s=%s", k->key, value);
         RP_TRY(dem_text_change(&e->text, change));
     }
     for (const rp_param *p = e->schema; p < e->schema + e->n_lets; p++) {
@@ -79,15 +81,34 @@ static rp_status check(const void *params)
     return status;
 }
 
-static bool hash(const void *params, XXH128_hash_t *digest)
+/* Is an output of a measure among these? NULL: all are. */
+static bool is_asked(const exp_plan *plan, const exp_measured *m, const sweep_output of[])
+{
+    const exp_output *own = exp_outputs(plan, NULL) + m->output;
+    bool asked = !of && m->n_outputs > 0;
+    for (size_t k = 0; k < m->n_outputs; k++)
+        for (const sweep_output *o = of; o && o->name; o++) asked |= strcmp(o->name, own[k].name) == 0;
+    return asked;
+}
+
+static bool hash(const void *params, const sweep_output of[], XXH128_hash_t *digest)
 {
     exp_plan *plan;
-    char *key = plan_of(params, &plan) == RP_OK ? exp_key(plan) : NULL;
-    const bool known = key != NULL;
-    if (known) *digest = XXH3_128bits(key, strlen(key));
+    exp_measured m;
+    rp_status status = plan_of(params, &plan);
+    if (!status) status = exp_key(plan, digest);
+    for (size_t k = 0; !status && k < exp_measure_count(plan); k++) {
+        status = exp_measure_at(plan, k, &m);
+        if (!status && is_asked(plan, &m, of)) *digest = rp_hash_add(*digest, m.key);
+    }
+    for (const sweep_output *o = of; !status && o && o->name; o++) {
+        size_t n, k = 0;
+        const exp_output *own = exp_outputs(plan, &n);
+        while (k < n && strcmp(own[k].name, o->name) != 0) k++;
+        if (k == n) status = RP_NO_RESULT;
+    }
     exp_free(plan);
-    free(key);
-    return known;
+    return status == RP_OK;
 }
 
 /* Tables of a traced run that grow with it, and what has been written of the ends of its phases. */
@@ -170,52 +191,20 @@ static rp_status write_tables(const trace *t, const void *params)
     return sweep_table_close(&f, RP_OK);
 }
 
-/* Begin with the last end of a phase that a run has left, of a text that is the same up to there. */
-static rp_status begin_with_end(const trace *t, const sweep_keep *keep)
-{
-    char digits[33];
-    for (size_t k = exp_kept_count(t->plan); k-- > 0;) {
-        rp_snapshot end = {0};
-        rp_status status = exp_kept_key(t->plan, k, t->seed, t->stream, digits);
-        const bool found = !status && sweep_keep_find(keep, digits, &end);
-        if (found) status = exp_begin(t->run, k, &end);
-        rp_snapshot_free(&end);
-        if (status == RP_NO_RESULT) continue;
-        if (found || status) return status;
-    }
-    return RP_OK;
-}
-
-static rp_status leave_ends(const trace *t, const sweep_keep *keep)
-{
-    char digits[33];
-    for (size_t k = 0; k < exp_kept_count(t->plan); k++) {
-        if (exp_kept(t->run, k)->n == 0) continue;
-        RP_TRY(exp_kept_key(t->plan, k, t->seed, t->stream, digits));
-        sweep_keep_leave(keep, digits, exp_kept(t->run, k));
-    }
-    return RP_OK;
-}
-
-/* From its start, its snapshot or the end of a phase to the end. */
+/* From its start or its snapshot to the end. */
 static rp_status go(trace *t, sweep_keep *keep)
 {
     enum { PART = 1000 };
     exp_run *const run = t->run;
-    const bool ends = keep && keep->ends && !t->tables && exp_sim(run);
     const long every = t->tables ? t->tables->every : 0;
     RP_TRY(begin_trace(t));
-    if (ends && keep->source.n == 0) RP_TRY(begin_with_end(t, keep));
     RP_TRY(sweep_keep_resume(keep, keep_trace, t));
-    size_t stages = exp_stages(run);
     for (size_t k = 0; k < exp_phase_count(t->plan) && t->passes; k++)
         t->passes[k] = exp_phase_at(run, k).passes;
     while (!exp_done(run)) {
         const long step = exp_steps(run), left = every > 0 ? every - step % every : PART;
         RP_TRY(exp_advance(run, left < PART ? left : PART)); /* to the next row of energies */
         RP_TRY(note_phase(t, step));
-        if (ends && exp_stages(run) != stages) RP_TRY(leave_ends(t, keep));
-        stages = exp_stages(run);
         if (!exp_done(run)) RP_TRY(sweep_keep_look(keep));
     }
     return t->tables ? sweep_table_close(&t->energy, RP_OK) : RP_OK;
@@ -375,10 +364,11 @@ rp_status sweep_protocol_open(const sweep_protocol *of, const char *path, const 
 void sweep_protocol_in(const sweep_protocol *p, rp_units units)
 {
     experiment *e = open_in(p);
-    if (!e || units == p->units) return;
-    config_setting_t *root = config_root_setting(&e->text.config), *key = member(root, "units");
+    if (!p->context || units == p->units) return;
+    config_setting_t *root = config_root_setting(&e->text.config),
+                     *key = config_setting_get_member(root, "units");
     if (!key) key = config_setting_add(root, "units", CONFIG_TYPE_STRING);
-    config_setting_set_string(key, rp_units_word(units));
+    config_setting_set_string(key, rp_units_word(units)); /* what a key has */
     e->protocol.units = units, e->text.lets.foreign = true;
 }
 

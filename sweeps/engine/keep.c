@@ -47,24 +47,6 @@ void sweep_keep_end(sweep_keep *k, bool done)
     if (done) sweep_keep_remove(k->path);
 }
 
-bool sweep_keep_find(const sweep_keep *k, const char digits[33], rp_snapshot *end)
-{
-    char path[4096 + 40];
-    snprintf(path, sizeof path, "%s/%s.end", k->ends, digits);
-    const bool found = access(path, F_OK) == 0 && rp_snapshot_read(end, path, digits, layout()) == RP_OK;
-    end->path = k->ends; /* for messages: that of the file ends here */
-    return found;
-}
-
-void sweep_keep_leave(const sweep_keep *k, const char digits[33], const rp_snapshot *end)
-{
-    char path[4096 + 40];
-    rp_snapshot copy = *end, there = {0};
-    snprintf(path, sizeof path, "%s/%s.end", k->ends, digits);
-    if (!sweep_keep_find(k, digits, &there)) rp_snapshot_write(&copy, path, digits, layout());
-    rp_snapshot_free(&there);
-}
-
 void sweep_keep_file(rp_snapshot *s, FILE *file)
 {
     size_t n = fflush(file) == 0 && !s->reading ? (size_t)ftell(file) : 0;

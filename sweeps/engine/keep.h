@@ -15,7 +15,6 @@ typedef struct sweep_keep {
     int pause, skipped;     /* looks are skipped, more where they follow each other within 10 ms */
     const volatile bool *stop; /* NULL, or of which true asks for a snapshot now, and for the run's end */
     rp_snapshot source;        /* that is resumed from */
-    const char *ends;          /* folder of the ends of phases, DIGITS.end, which stay; NULL: none */
     void (*by)(rp_snapshot *, void *data);
     void *data;
 } sweep_keep;
@@ -34,11 +33,6 @@ void sweep_keep_remove(const char *path);
 
 /* What snapshots hold from now on, and is read if there is one to resume from. Errors: those of `by`. */
 rp_status sweep_keep_resume(sweep_keep *k, void (*by)(rp_snapshot *, void *data), void *data);
-
-/* The end of a phase, by its 32 digits: false if there is none, or none that can be read; leave it for other
- * runs, or other measures, which do without where that fails. */
-bool sweep_keep_find(const sweep_keep *k, const char digits[33], rp_snapshot *end);
-void sweep_keep_leave(const sweep_keep *k, const char digits[33], const rp_snapshot *end);
 
 /* A table in the making, of rp_file_open: the text so far. */
 void sweep_keep_file(rp_snapshot *s, FILE *file);

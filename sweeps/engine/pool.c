@@ -88,13 +88,12 @@ static rp_status make(const pool *p, size_t run, sweep_result *result)
     const sweep_plan *plan = p->plan;
     const char *text = sweep_protocol_bytes(plan->protocol);
     char key[33], owner[33], path[4096], why[sizeof result->message] = "";
-    sweep_keep keep = {
-        .path = path, .key = owner, .interval = p->options->snapshot, .stop = p->stop, .ends = p->snapshots};
+    sweep_keep keep = {.path = path, .key = owner, .interval = p->options->snapshot, .stop = p->stop};
     const sweep_tables kept = {.keep = &keep};
     const bool keeps = p->snapshots != NULL;
     if (keeps) {
         snapshot_of(p, run, key, path);
-        /* another text may have the run with other phases that are kept or left out */
+        /* another text may have the run with other phases that are left out */
         rp_hash_digits(XXH3_128bits_withSeed(key, 32, text ? XXH3_64bits(text, strlen(text)) : 0), owner);
         sweep_keep_begin(&keep, why, sizeof why);
     }

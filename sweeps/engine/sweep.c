@@ -195,8 +195,8 @@ static rp_status open_shard(const sweep_options *options, sweep_folder *f)
     return sweep_store_write_notes(f->store, &f->plan, file);
 }
 
-/* Snapshots of a sweep whose runs are all stored: a driver that was killed may have left some. Ends of phases
- * stay, for other measures; so do other files of the folder, and then the folder. */
+/* Snapshots of a sweep whose runs are all stored: a driver that was killed may have left some. Other files of
+ * the folder stay, and then the folder. */
 static void remove_snapshots(const sweep_folder *f)
 {
     RP_ENDS(rp_paths_free) rp_paths left = {0};

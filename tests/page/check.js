@@ -53,8 +53,8 @@ async function main() {
   await until('frame && frame.n.step > 0');
   const loaded = (Date.now() - from) / 1000;
 
-  // Each experiment as its file has it, and others that the page does not offer: loaded walls, grains that fall in
-  for (const kind of ['box', 'cylinder', 'hopper', 'drum', 'column', 'biaxial', 'crater']) {
+  // Each experiment as its file has it, and others that the page does not offer: loaded walls, a bed
+  for (const kind of ['box', 'cylinder', 'hopper', 'drum', 'column', 'biaxial', 'crater_bed']) {
     const text = fs.readFileSync(`examples/${kind}.cfg`, 'utf8');
     await value(`start(${JSON.stringify(text)}, '').then(() => { running = false; })`);
     await value("ask('run', 1e9).then(once).then(() => { tell(); })");

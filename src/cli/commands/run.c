@@ -31,9 +31,6 @@
     X(INT, j, "", "1", "[1, 256]",                                                                           \
       "threads of one scene of some 16000 grains or more; the bits are the same for any number")             \
     X(INT, row, "", "0", "[0, 2147483647]", "number of the sweep's run, from 0")                             \
-    X(TEXT, from, "", "", "",                                                                                \
-      "begin where a run in this folder has kept the end of a phase, of a text that is the same up to "      \
-      "there")                                                                                               \
     CLI_FORCE(X)                                                                                             \
     CLI_QUIET(X)
 
@@ -69,14 +66,15 @@ typedef struct {
     const run_options *o;
     dem_text text;
     dem_scene scene;
-    exp_plan *phases; /* NULL: none */
+    exp_plan *phases;
+    bool plain; /* no phases, and no measures */
     run_plan plan;
     growth energy;
     cli_rest rest;
     long written[CLI_GROWING]; /* steps of the last frames: a phase may have none */
-    dem_sim *sim;              /* with phases theirs */
-    exp_run *exp;              /* NULL: no phases */
-    bool over_friction;        /* has been told */
+    dem_sim *sim;              /* that of the run */
+    exp_run *exp;
+    bool over_friction; /* has been told */
     origin of;
     cli_result result;
     cli_progress progress;
@@ -103,11 +101,7 @@ static uint64_t layout(void)
 
 static void free_run(scene_run *r)
 {
-    if (r->exp)
-        exp_run_free(r->exp);
-    else
-        dem_free(r->sim);
-    if (!r->phases) dem_scene_free(&r->scene);
+    exp_run_free(r->exp);
     exp_free(r->phases);
     dem_text_close(&r->text);
     cli_result_free(&r->result);
@@ -119,11 +113,6 @@ static void keep_run(rp_snapshot *s, void *context)
     RP_KEEP(s, r->energy);
     RP_KEEP(s, r->rest);
     RP_KEEP(s, r->written);
-    if (!r->exp) {
-        if (s->reading) dem_free(r->sim), r->sim = NULL;
-        dem_keep(s, &r->sim);
-        return;
-    }
     exp_keep(s, r->exp);
     r->sim = exp_sim(r->exp);
 }
@@ -139,16 +128,15 @@ static void begin_tables(scene_run *r)
     for (int k = 0; k < CLI_GROWING && *r->o->o; k++) put_origin(&r->of, r->of.call.units, table_of(r, k));
     for (int k = STATES + 1; k < CLI_GROWING && *r->o->o; k++)
         dem_write_columns((dem_table)k, r->sim, table_of(r, k));
-    if (!*r->o->o && r->exp) return; /* standard output holds the measures */
+    if (!*r->o->o && !r->plain) return; /* standard output holds the measures */
     if (!*r->o->o) r->result.table[STATES] = r->of.call.out, cli_provenance(&r->of.call, r->of.call.out);
     dem_write_notes(r->sim, table_of(r, STATES));
     dem_write_columns(DEM_TABLE_STATES, r->sim, table_of(r, STATES));
 }
 
-/* Steps so far, also in tables; those of a simulation alone go back with it. */
 static long steps_of(const scene_run *r)
 {
-    return r->exp ? exp_steps(r->exp) : dem_step(r->sim);
+    return exp_steps(r->exp);
 }
 
 /* Once a run. */
@@ -228,26 +216,21 @@ static long steps_to(long step, long every, long most)
 
 static bool is_done(const scene_run *r)
 {
-    return r->exp ? exp_done(r->exp) : dem_step(r->sim) >= r->plan.steps;
+    return exp_done(r->exp);
 }
 
 static rp_status go_on(scene_run *r, long part)
 {
-    if (r->exp) {
-        const rp_status advanced = exp_advance(r->exp, part);
-        r->sim = exp_sim(r->exp); /* laws that change make a new one */
-        return advanced;
-    }
-    part = (long)fmin((double)part, (double)cli_rest_next(&r->rest, dem_step(r->sim)));
-    rp_status status = dem_run(r->sim, part);
-    /* too soft, too fast, too hard to solve: the scene has no result, and the program is not wrong */
-    return status == RP_BROKEN && dem_sim_fault(r->sim) != DEM_FAULT_NON_FINITE ? RP_NO_RESULT : status;
+    if (r->plain) part = (long)fmin((double)part, (double)cli_rest_next(&r->rest, steps_of(r)));
+    const rp_status advanced = exp_advance(r->exp, part);
+    r->sim = exp_sim(r->exp); /* laws that change make a new one */
+    return advanced;
 }
 
 static void show_progress(scene_run *r)
 {
     char text[256];
-    if (r->exp)
+    if (!r->plain)
         cli_progress_tell(&r->progress, rp_clock(), is_done(r) ? NULL : exp_where(r->exp, text, sizeof text),
                           stderr);
     else
@@ -258,7 +241,7 @@ static rp_status stop(const scene_run *r)
 {
     char text[256];
     const char *where =
-        r->exp ? exp_where(r->exp, text, sizeof text) : rp_text(r->of.call.arena, "%ld", r->plan.steps);
+        r->plain ? rp_text(r->of.call.arena, "%ld", r->plan.steps) : exp_where(r->exp, text, sizeof text);
     return rp_fail(RP_STOPPED, "stopped at step %ld of %s", steps_of(r), where);
 }
 
@@ -275,16 +258,16 @@ static rp_status advance(scene_run *r)
         long part = most; /* go_on stops at the end */
         for (int k = 0; k < CLI_GROWING; k++) part = steps_to(before, p->every[k], part);
         part = steps_to(before, r->energy.every, part);
-        const size_t stages = r->exp ? exp_stages(r->exp) : 0;
+        const size_t stages = exp_stages(r->exp);
         const rp_status status = go_on(r, part);
         const long step = steps_of(r);
-        const bool stage = r->exp && exp_stages(r->exp) > stages;
+        const bool stage = exp_stages(r->exp) > stages;
         show_progress(r);
         RP_TRY(status);
         const bool stops = stop_asked; /* a later signal waits for the next snapshot */
         if (step == before && (!stops || is_done(r))) continue; /* a phase began or ended */
         growth_sample(&r->energy, r->sim);
-        if (!r->exp) RP_TRY(cli_rest_look(r->of.call.arena, r->sim, &r->rest));
+        if (r->plain) RP_TRY(cli_rest_look(r->of.call.arena, r->sim, &r->rest));
         if (!told) cli_tell_threads(r->sim, "run", r->o->j);
         told = true;
         if (is_done(r)) continue;
@@ -345,30 +328,15 @@ static rp_status open_result(const scene_run *r, const char *name, const char **
     return rp_file_open(*path, true, file);
 }
 
-/* A state at the end of a phase belongs to all texts that are the same up to there. */
-static rp_status state_of(const scene_run *r, size_t k, char owner[33], const char **name)
-{
-    *name = rp_text(r->of.call.arena, "end_%s.state", exp_kept_name(r->phases, k));
-    return exp_kept_key(r->phases, k, (unsigned long)r->scene.seed, (unsigned long)r->scene.run, owner);
-}
-
 static rp_status write_results(const scene_run *r)
 {
-    const char *path, *name;
+    const char *path;
     FILE *table;
     write_measures(r, r->of.call.out);
     if (!*r->o->o) return RP_OK;
     RP_TRY(open_result(r, "measures.tsv", &path, &table));
     write_measures(r, table);
     RP_TRY(rp_file_close(path, table, RP_OK));
-    for (size_t k = 0; k < exp_kept_count(r->phases); k++) {
-        const rp_snapshot *state = exp_kept(r->exp, k);
-        char owner[33];
-        if (state->n == 0) continue;
-        RP_TRY(state_of(r, k, owner, &name));
-        RP_TRY(open_result(r, name, &path, &table));
-        RP_TRY(rp_file_close(path, table, rp_snapshot_print(state, table, owner, layout())));
-    }
     for (size_t k = 0; exp_series_name(r->phases, k); k++) {
         RP_TRY(open_result(r, exp_series_name(r->phases, k), &path, &table));
         put_origin(&r->of, r->of.call.units, table);
@@ -397,7 +365,7 @@ static rp_status close_phases(const scene_run *r)
 static rp_status write_end(scene_run *r)
 {
     RP_TRY(write_frame(r, false, true));
-    if (r->exp)
+    if (!r->plain)
         RP_TRY(write_results(r));
     else
         growth_report(&r->energy, r->sim, table_of(r, STATES));
@@ -418,7 +386,7 @@ static rp_status finish_scene(scene_run *r, rp_status status)
         rp_table_note(r->of.call.out, "unfinished", "%s", rp_message());
     else if (!status)
         status = rp_file_finish(r->of.call.out, "standard output");
-    if (!status && r->exp) return close_phases(r);
+    if (!status && !r->plain) return close_phases(r);
     if (!status && !r->o->quiet) cli_close_run(r->of.call.arena, r->sim, &r->rest, directory);
     return status;
 }
@@ -484,35 +452,6 @@ static rp_status is_sweep(const char *path, bool *sweep)
     return status;
 }
 
-/* Of all that makes a scene, whatever the kernel, the ledger and the number of steps. */
-static rp_status hash_scene(const scene_run *r, XXH128_hash_t *hash)
-{
-    char *text = NULL;
-    size_t size = 0;
-    dem_scene any = r->scene;
-    any.def.kernel = DEM_FAST;
-    any.def.n_grains = 0;
-    any.def.ledger = false;
-    any.steps = 0;
-    FILE *out = open_memstream(&text, &size);
-    if (!out) return rp_fail(RP_NO_MEMORY, "scene: out of memory");
-    char *key = r->phases ? exp_key(r->phases) : NULL;
-    if (key) fputs(key, out);
-    free(key);
-    dem_scene_write(&any, out);
-    for (size_t i = 0; i < r->scene.def.n_grains && r->scene.grains; i++) {
-        const dem_grain *p = &r->scene.grains[i];
-        fwrite(p, offsetof(dem_grain, fixed), 1, out);
-        fputc(p->fixed, out);
-    }
-    for (const dem_contact *c = any.def.contacts; c < any.def.contacts + any.def.n_contacts; c++)
-        fprintf(out, "%u %u %d %a %a\n", c->id_a, c->id_b, c->wall, c->shear_spring, c->rolling_spring);
-    fclose(out);
-    *hash = XXH3_128bits(text, size);
-    free(text);
-    return RP_OK;
-}
-
 /* Of the g of SI among values in cgs. */
 static void warn_gravity(const char *path, rp_units units, double g)
 {
@@ -526,70 +465,52 @@ static rp_status read_text(const char *path, scene_run *r)
 {
     dem_scene *scene = &r->scene;
     RP_TRY(dem_text_open(path, NULL, &r->o->set, &r->text));
-    if (exp_has_phases(&r->text)) {
-        RP_TRY(exp_read(&r->text, &r->phases));
-        RP_TRY(exp_check(r->phases));
-        *scene = *exp_scene(r->phases);
-    } else {
-        RP_TRY(dem_text_scene(&r->text, scene));
-    }
+    r->plain = !exp_has_phases(&r->text);
+    RP_TRY(exp_read(&r->text, &r->phases));
+    RP_TRY(exp_check(r->phases));
+    *scene = *exp_scene(r->phases);
     if (*scene->unused) fprintf(stderr, "repose run: particles_file: not used:%s\n", scene->unused);
     warn_gravity(path, scene->def.units, rp_hypot(scene->def.gravity[0], scene->def.gravity[1]));
     r->of.call.units = scene->def.units;
     if (r->o->ledger) scene->def.ledger = true;
-    if (r->o->ledger && r->phases) exp_keep_ledger(r->phases);
+    if (r->o->ledger) exp_keep_ledger(r->phases);
     return RP_OK;
 }
 
-static void name_run(const char *path, const XXH128_hash_t *scene, scene_run *r)
+/* Of the run, its streams and its measures. */
+static rp_status key_of(const scene_run *r, char digits[33])
+{
+    XXH128_hash_t sum;
+    exp_measured m;
+    RP_TRY(exp_key(r->phases, &sum));
+    for (size_t k = 0; k < exp_measure_count(r->phases); k++) {
+        RP_TRY(exp_measure_at(r->phases, k, &m));
+        if (m.n_outputs > 0) sum = rp_hash_add(sum, m.key);
+    }
+    rp_hash_digits(rp_hash_add(sum, XXH3_128bits((long[]){r->scene.seed, r->scene.run}, 2 * sizeof(long))), digits);
+    return RP_OK;
+}
+
+static rp_status name_run(const char *path, scene_run *r)
 {
     const long *every = r->plan.every;
     rp_arena *arena = r->of.call.arena;
     const char *frames = *every > 0 ? rp_text(arena, "a frame each %ld", *every) : "the last frame",
-               *length = r->phases ? "phases" : rp_text(arena, "%ld steps", r->plan.steps);
+               *length = !r->plain ? "phases" : rp_text(arena, "%ld steps", r->plan.steps);
     char key[33];
-    rp_hash_digits(*scene, key);
+    RP_TRY(key_of(r, key));
     if (every[ENERGY] != *every || every[CONTACTS] != *every || every[WALLS] != *every)
         frames = rp_text(arena, "frames each %ld (states), %ld (energy), %ld (contacts), %ld (walls)",
                          every[STATES], every[ENERGY], every[CONTACTS], every[WALLS]);
     snprintf(r->of.run, sizeof r->of.run, "%.400s, %s, %s, key %s", path, length, frames, key);
+    return RP_OK;
 }
 
-/* Make the simulation, or the run of the phases. */
 static rp_status start(scene_run *r)
 {
-    if (!r->phases) return dem_scene_start(&r->scene, &r->sim);
     RP_TRY(exp_start(r->phases, (unsigned long)r->scene.seed, (unsigned long)r->scene.run, &r->exp));
     r->sim = exp_sim(r->exp);
     return r->sim ? RP_OK : rp_fail(RP_NO_RESULT, "%s", exp_ended(r->exp)->message);
-}
-
-/* Begin at the last phase whose end the folder has, of a text that is the same up to there. */
-static rp_status begin_from(const char *path, scene_run *r)
-{
-    const char *const directory = r->o->from;
-    rp_arena *arena = r->of.call.arena;
-    char told[300] = "it has none";
-    if (!r->phases || exp_kept_count(r->phases) == 0)
-        return rp_fail(RP_USAGE, "--from %s: %s has no phase with keep = true", directory, path);
-    for (size_t k = exp_kept_count(r->phases); k-- > 0;) {
-        const char *state, *name;
-        char owner[33];
-        rp_snapshot s = {0};
-        RP_TRY(state_of(r, k, owner, &name));
-        RP_TRY(rp_path(arena, &state, "%s/%s", directory, name));
-        if (access(state, F_OK)) continue;
-        rp_status status = rp_snapshot_read(&s, state, owner, layout());
-        if (!status) status = exp_begin(r->exp, k, &s);
-        rp_snapshot_free(&s);
-        r->sim = exp_sim(r->exp);
-        if (!status)
-            return rp_path(arena, &r->of.start, "begins with the end of %s in %s",
-                           exp_kept_name(r->phases, k), directory);
-        snprintf(told, sizeof told, "%s", rp_message());
-    }
-    return rp_fail(RP_BAD_INPUT, "--from %s: no end of a phase that %s begins with: %s", directory, path,
-                   told);
 }
 
 static rp_status run_file(const cli_call *call, const char *path, const run_options *o)
@@ -601,34 +522,28 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
                    .result = {.names = growing, .keep = keep_run, .context = &r, .layout = layout()}};
     if (cli_given(call, "row")) return rp_fail(RP_USAGE, "--row needs a sweep file; %s is a scene", path);
     RP_TRY(read_text(path, &r));
-    if (r.phases && o->every > 0 && !*o->o)
+    if (!r.plain && o->every > 0 && !*o->o)
         return rp_fail(RP_USAGE,
                        "--every needs -o DIR; %s has phases, and standard output holds what they measure",
                        path);
     const dem_intervals *own = &r.scene.output;
     const long every[] = {own->states, own->energy, own->contacts, own->walls},
-               steps = r.phases ? 0 : r.scene.steps;
+               steps = r.plain ? r.scene.steps : 0;
     r.plan = (run_plan){.steps = steps, .ledger = r.scene.def.ledger};
     for (int k = 0; k < CLI_GROWING; k++) r.plan.every[k] = o->every > 0 ? o->every : every[k];
-    XXH128_hash_t scene = {0};
-    if (*o->o) RP_TRY(hash_scene(&r, &scene));
     r.rest.steps = steps;
-    name_run(path, &scene, &r);
-    bool cut = false;
-    r.scene.cut = &cut;
+    RP_TRY(name_run(path, &r));
     const rp_status status = start(&r);
-    if (status == RP_BAD_INPUT && !r.phases) rp_prefix(status, "%s: ", path);
     dem_counts now = {0};
     if (!status) dem_count_work(r.sim, &now);
-    if (cut)
+    if (!status && exp_is_cut(r.exp))
         r.of.start = "walls cut the region; grains lie in its largest part alone";
     else if (*r.scene.particles_file && now.contacts > 0 && !r.scene.def.n_contacts &&
              dem_has_spring(r.scene.def.tangential))
         r.of.start = "grains touch, and their shear springs begin at 0; a bed at rest needs contacts_file";
-    if (!status && *o->from) RP_TRY(begin_from(path, &r));
     if (r.of.start) fprintf(stderr, "repose run: %s: %s\n", path, r.of.start);
     RP_TRY(status);
-    if (!r.phases) r.energy = growth_of(&r.scene, r.sim);
+    if (r.plain) r.energy = growth_of(&r.scene, r.sim);
     bool resumed = false;
     const char *holds = rp_text(call->arena, "%s%s", r.of.run, r.plan.ledger ? ", ledger" : "");
     cli_on_stop(&stop_asked);
@@ -643,7 +558,7 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
 
 static rp_status run_any(cli_call *call, const void *values)
 {
-    static const char *const of_scenes[] = {"j", "set", "from"};
+    static const char *const of_scenes[] = {"j", "set"};
     const char *path = cli_data(call->arena, cli_argument(call, 0));
     bool sweep;
     RP_TRY(is_sweep(path, &sweep));
@@ -689,6 +604,5 @@ const cli_command cmd_run = {
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
     run_params,
     .refuses = "A folder with a finished result, or with other files: give another one, or --force.\n"
-               "--row with a scene; --set, -j and --from with a sweep.\n"
-               "--from without a phase that keeps its end, or where the folder's text begins otherwise.",
+               "--row with a scene; --set and -j with a sweep.",
     .act = run_any};

@@ -52,7 +52,6 @@ rp_status dem_text_laws(const config_setting_t *group, const dem_scene *scene, d
  * the walls, of which there are as many as the scene's. Errors: RP_BAD_INPUT. */
 rp_status dem_laws_apply(const dem_scene_laws *laws, const dem_material *given, const dem_scene *scene,
                          dem_definition *def, dem_wall *walls);
-void dem_laws_write(const dem_scene_laws *laws, FILE *out);
 
 /* The coefficients of a wall in a group, beside other keys; *some: there is one. Errors: RP_BAD_INPUT. */
 rp_status dem_text_coefficients(const config_setting_t *group, const char *others, bool *some,

@@ -24,18 +24,6 @@ static void write_group(FILE *out, int group, const void *values)
     fputs("};\n", out);
 }
 
-static void write_contacts(FILE *out, const dem_physics *physics)
-{
-    for (int k = NORMAL; k <= ROLLING; k++) write_group(out, k, physics);
-}
-
-void dem_laws_write(const dem_scene_laws *laws, FILE *out)
-{
-    fprintf(out, "dt = %.17g; ends = ( %.17g, %.17g, %.17g );\n", laws->physics.dt,
-            dem_lower_end(laws->x_min), laws->x_max, dem_lower_end(laws->y_min));
-    write_contacts(out, &laws->physics);
-}
-
 static void write_top(FILE *out, const dem_scene *scene)
 {
     const dem_definition *def = &scene->def;
@@ -133,7 +121,7 @@ void dem_scene_write(const dem_scene *scene, FILE *out)
     const dem_definition *def = &scene->def;
     const dem_physics physics = dem_physics_of(def, 0.0);
     write_top(out, scene);
-    write_contacts(out, &physics);
+    for (int k = NORMAL; k <= ROLLING; k++) write_group(out, k, &physics);
     write_walls(out, scene);
     if (def->ground.wall) write_group(out, GROUND, &def->ground);
     if (def->hard.on) write_group(out, HARD, &def->hard);
