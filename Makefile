@@ -36,7 +36,7 @@ CHECK   := $(call objects,tests) $(call objects,validation) $(FUZZ)
 ALL     := $(CLI) $(REPORTER) $(foreach m,$(MODULES),$(call sources,$(m)))
 REPOSE  := $(B)/repose
 REPORT  := $(B)/report
-.PHONY: all figures bench report check test validate asan lint setup help clean FORCE
+.PHONY: all figures bench report check test validate asan lint sizes setup help clean FORCE
 all: $(REPOSE) $(REPORT) ## build the programs: build/repose, and build/report, which makes the report
 help: ## this list
 	@sed -n 's/^\([a-z][a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 16
@@ -75,6 +75,8 @@ $(REPOSE) $(REPORT) $(B)/check:
 
 lint: $(LIBRARY) $(REPOSE) $(REPORT) ## order of the rooms, prefixes of the modules, tables of figures, clang-format
 	@sh tests/lint.sh $(B) $(MODULES)
+sizes: ## lines, code and semicolons of each room, and of core, tools and papers
+	@python3 -B tests/sizes.py
 # Figures that take no time show the tests the whole way from a model to a picture. The plain tests run beside the others,
 # and print last: CUnit's summary is then what `make check` ends with. Background jobs of a shell ignore signals that tests send.
 check: | $(SETUP_FIRST) ## unit tests and fast validation, with sanitizers and plain

@@ -97,7 +97,7 @@ typedef struct {
     dem_well_set set;
 } dem_ground;
 
-/* Hard collisions of fast bodies; methods/hard.c, law/bodies.h. Grains, or a grain and a wall, that would
+/* Hard collisions of fast bodies; papers/hard.c, law/bodies.h. Grains, or a grain and a wall, that would
  * touch in the coming step collide at touch. If they close no faster than dt times the acceleration that
  * presses them together, eq (22), the step would undo a rebound: they form a soft contact, which lasts until
  * they part. */
