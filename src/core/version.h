@@ -12,7 +12,7 @@ RP_C_BEGIN
  * bits of a run change; the golden digests in tests/test_golden.c fail otherwise. */
 #define RP_MODEL_VERSION 4
 
-extern const char rp_build_commit[], rp_build_compiler[], rp_build_libraries[];
+extern const char rp_build_commit[], rp_build_compiler[];
 
 /* RP_BROKEN: this build has fused arithmetic, where the preprocessor could not see that. */
 rp_status rp_build_check(void);

@@ -498,7 +498,7 @@ typedef struct {
     const double *corners;
     long number;      /* of the fill in a scene, from 0 on: each has streams of its own */
     size_t n_there;   /* grains that are there already, right before `grains` in their array */
-    void *streams[2]; /* gsl_rng of radii and places that go on afterwards; NULL: those of seed and run */
+    void *streams[2]; /* rp_random of radii and places that go on afterwards; NULL: those of seed and run */
 } dem_fill;
 
 /* Draw radii, and place the grains: `grains` has room for dem_fill_most(fill), *n are placed, fill->N where
