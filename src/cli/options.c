@@ -101,12 +101,9 @@ static void print_help(const cli_call *call)
         putchar('\n');
     }
     printf("  %-22s this text\n\n", "--help");
-    if (c->refuses) {
-        puts("refuses:");
-        print_lines(c->refuses, "  ", "");
-        putchar('\n');
-    }
-    printf("example:\n  %s\n", c->example);
+    puts("refuses:");
+    print_lines(c->refuses, "  ", "");
+    printf("\nexample:\n  %s\n", c->example);
 }
 
 /* ---- the options of a command ---- */

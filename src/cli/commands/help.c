@@ -101,10 +101,8 @@ static void put_command(cli_call call, const cli_command *c)
     put_lines(c->about);
     for (const rp_param *p = call.options; p->name; p++)
         put_item(strlen(p->name) == 1 ? "\\-" : "\\-\\-", p->name, cli_option_text(call.arena, p));
-    if (c->refuses) {
-        fputs("Refuses: ", stdout);
-        put_lines(c->refuses);
-    }
+    fputs("Refuses: ", stdout);
+    put_lines(c->refuses);
     printf("Example:\n\n    %s\n\n", c->example);
 }
 
