@@ -33,10 +33,12 @@ REPORTER := $(call objects,report)
 FRAME   := $(filter-out %/cli/repose.o,$(call objects,$(filter-out src/cli/commands src/cli/derive,$(call rooms,cli))))
 FUZZ    := $(call objects,tests/fuzz) $(filter-out %/cli/repose.o,$(CLI)) $(filter-out %/report/main.o,$(REPORTER))
 CHECK   := $(call objects,tests) $(call objects,validation) $(FUZZ)
+# A program of the core alone: libm and xxhash are all that it links, and Random123 has headers only.
+ALONE   := $(patsubst %.c,$(B)/obj/%.o,$(filter %.c,$(wildcard $(shell awk '$$3 == "core" { print $$2, $$2 ".c", $$2 "/*.c" }' tests/rooms.txt))))
 ALL     := $(CLI) $(REPORTER) $(foreach m,$(MODULES),$(call sources,$(m)))
 REPOSE  := $(B)/repose
 REPORT  := $(B)/report
-.PHONY: all figures bench report check test validate asan lint setup help clean FORCE
+.PHONY: all figures bench report check test validate asan lint sizes standalone setup help clean FORCE
 all: $(REPOSE) $(REPORT) ## build the programs: build/repose, and build/report, which makes the report
 help: ## this list
 	@sed -n 's/^\([a-z][a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 16
@@ -51,7 +53,7 @@ $(B)/obj/%.o: %.c | $(SETUP_FIRST)
 $(B)/obj/%.cfg.o: %.cfg
 	@mkdir -p $(@D) && echo "embed   $<"
 	@printf '.section .rodata\n.global sweep_text_$(*F)\nsweep_text_$(*F): .incbin "$<"\n.byte 0\n.section .note.GNU-stack\n' | $(CC) -c -x assembler - -o $@
--include $(patsubst %.o,%.d,$(ALL) $(CHECK))
+-include $(patsubst %.o,%.d,$(ALL) $(CHECK) $(ALONE) $(B)/obj/examples/core.o)
 # The commit is part of every table's provenance: rebuild that one file when it changes. Tables that a study has just
 # written do not make the program another one.
 $(B)/commit: FORCE
@@ -77,12 +79,19 @@ $(LIBRARY) $(B)/libframe.a:
 	@rm -f $@ && ar qcs $@ $^
 $(REPOSE): $(CLI) $(LIBRARY)
 $(REPORT): $(REPORTER) $(B)/libframe.a $(LIBRARY)
-$(B)/check: $(CHECK) $(LIBRARY)
+$(B)/check: $(CHECK) $(LIBRARY) | $(B)/core
 $(REPOSE) $(REPORT) $(B)/check:
 	@echo "link    $@" && $(CC) $(CFLAGS) $^ $(if $(filter %/check,$@),$$(pkg-config --libs cunit)) $(LIBS) -o $@
 
 lint: $(LIBRARY) $(REPOSE) $(REPORT) ## order of the rooms, prefixes of the modules, tables of figures, clang-format
 	@sh tests/lint.sh $(B) $(MODULES)
+standalone: $(B)/core ## build/core: a pile of grains, of examples/core.c and the core alone
+$(B)/libalone.a: $(ALONE)
+	@rm -f $@ && ar qcs $@ $^
+$(B)/core: $(B)/obj/examples/core.o $(B)/libalone.a
+	@echo "link    $@" && $(CC) $(CFLAGS) $^ -lxxhash -lm $(if $(SAN),,-pie) -o $@
+sizes: ## lines, code and semicolons of each room, and of core, tools and papers
+	@python3 -B tests/sizes.py
 # Figures that take no time show the tests the whole way from a model to a picture. The plain tests run beside the others,
 # and print last: CUnit's summary is then what `make check` ends with. Background jobs of a shell ignore signals that tests send.
 check: | $(SETUP_FIRST) ## unit tests and fast validation, with sanitizers and plain

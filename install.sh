@@ -85,8 +85,8 @@ EOF
 }
 pc repose "forces in and angles of granular piles" "gsl libconfig sqlite3 libxxhash" -lcholmod
 pc repose-analytic "lattice, continuum and tent models of piles"
-pc repose-dem "discrete-element simulator of grains" "gsl libconfig libxxhash" -lcholmod
-pc repose-statics "static equilibrium of soft disks" gsl -lcholmod
+pc repose-dem "discrete-element simulator of grains" "libconfig libxxhash" -lcholmod
+pc repose-statics "static equilibrium of soft disks" "" -lcholmod
 pc repose-angle "angles of repose, tilting and marginal stability" "gsl"
 pc repose-stress "stress in piles, pressure on their base" gsl
 

@@ -31,7 +31,7 @@ grep -rnE "(==|!=|case) *($(echo $laws | tr ' ' '|'))\b" src sweeps analytic rep
 grep -rnE '\b(str|mem)[a-z]*\(rp_message' src sweeps analytic report && echo "lint: a message's text decides here" && bad=1
 # Names are no patterns, and no text is a command: the program has neither a shell nor patterns of names.
 nm -D -u "$build/repose" | grep -wE 'system|popen|wordexp|glob|glob64|fnmatch' && echo "lint: build/repose calls these" && bad=1
-python3 tests/rooms.py "$build" || bad=1
+python3 -B tests/rooms.py "$build" || bad=1
 for figure in figures/*/*.gp; do
     named=" $(sed -n 's/^# sweeps: //p' "$figure") "
     for sweep in $(grep -v '^#' "$figure" | sed "s/published(/'claims\//g; /^load /d" | grep -oE "['\"][a-z][A-Za-z0-9_]*/" | tr -d "'\"/"); do

@@ -10,9 +10,32 @@ void numbers_end(gsl_rng **rng)
     gsl_rng_free(*rng);
 }
 
+static void set(void *state, unsigned long seed)
+{
+    *(rp_random *)state = rp_random_of(seed, 0, (rp_purpose)0);
+}
+
+static unsigned long word(void *state)
+{
+    return rp_random_word(state);
+}
+
+static double uniform(void *state)
+{
+    return rp_random_uniform(state);
+}
+
 gsl_rng *numbers_of(unsigned long seed, unsigned long run)
 {
-    return rp_random_alloc(seed, run, RP_PURPOSE_TEST);
+    static const gsl_rng_type type = {"philox4x32", UINT32_MAX, 0, sizeof(rp_random), set, word, uniform};
+    gsl_rng *r = gsl_rng_alloc(&type);
+    *numbers_stream(r) = rp_random_of(seed, run, RP_PURPOSE_TEST);
+    return r;
+}
+
+rp_random *numbers_stream(const gsl_rng *r)
+{
+    return gsl_rng_state(r);
 }
 
 void numbers_text(gsl_rng *rng, const char *without, char text[NUMBERS_TEXT])

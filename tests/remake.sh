@@ -9,7 +9,7 @@ wrong() { echo "remake: $*" >&2; exit 1; }
 make() { command make --no-print-directory "$@"; }
 git() { command git -c user.name=x -c user.email=x@x "$@"; }
 mkdir -p build figures/shown results/kept/li_eps
-ln -s "$source"/analytic "$source"/src "$source"/sweeps "$source"/tests "$source"/validation .
+ln -s "$source"/analytic "$source"/src "$source"/examples "$source"/sweeps "$source"/tests "$source"/validation .
 ln -s "$source"/figures/l? "$source"/figures/studies "$source"/figures/val "$source"/figures/*.gp figures
 cp -r "$source/Makefile" "$source/install.mk" "$source/README.md" "$source/paper-repro.md" "$source/docs" "$source/report" .
 
@@ -17,7 +17,7 @@ cp -r "$source/Makefile" "$source/install.mk" "$source/README.md" "$source/paper
 # A figure is stale by its file, those that it loads, its sweeps, and their tables in results.
 made="build/tables/lh3/done build/studied/lh_rough build/tables/impact/done"
 make -n -o build/repose build/tables/lh3/done | sed -n 's/.*echo "compile \(.*\)"$/\1/p' | sort >code
-find analytic/ src/ sweeps/ -name '*.c' ! -name version.c ! -path 'src/page/*' | sort | diff - code >&2 || wrong "not all of the code"
+find analytic/ src/ sweeps/ -name '*.c' ! -name version.c ! -path 'src/page/*' ! -path 'src/dem/alone/*' | sort | diff - code >&2 || wrong "not all of the code"
 (cd "$source/$build/obj" && find . -name '*.d' | tar -cT -) | (mkdir build/obj && tar -xC build/obj)
 find build/obj -name '*.d' -exec sed -i "s#^$build/#build/#" {} +
 mkdir -p build/tables/lh3 build/tables/impact build/tables/continuum build/tables/pile build/studied build/figures results/lh_mu

@@ -14,49 +14,69 @@ import sys
 
 MOST_SOURCES = 20
 KINDS = (".c", ".h", ".inl")
+CLASSES = ("core", "tool", "papers")
+
+
+Room = collections.namedtuple("Room", "name module kind")
 
 
 def read_rooms(path):
-    """Rooms in order as (folder or file, module), and the modules that each module may use."""
+    """Rooms in order, and the modules that each module may use."""
     rooms, uses = [], {}
     for line in open(path):
         words = line.split()
         if not words or words[0] == "#":
             continue
-        rooms.append((words[1], words[0]))
-        uses.setdefault(words[0], set())
+        module, name, kind = words[:3]
+        if kind not in CLASSES:
+            print(f"lint: {path}: {name} has the class {kind}, which is none of {', '.join(CLASSES)}")
+            sys.exit(1)
+        rooms.append(Room(name, module, kind))
+        uses.setdefault(module, set())
         if "<" in words:
-            uses[words[0]] |= set(words[words.index("<") + 1:])
+            uses[module] |= set(words[words.index("<") + 1:])
     return rooms, uses
 
 
 def room_of(path, rooms):
-    """Index of the room of a file: its folder, or the file itself where the list names it."""
-    names = [name for name, _ in rooms]
-    for name in (path, os.path.dirname(path)):
+    """Index of the room of a file: the file itself where the list names it, with or without its ending, or its folder."""
+    names = [room.name for room in rooms]
+    for name in (path, os.path.splitext(path)[0], os.path.dirname(path)):
         if name in names:
             return names.index(name)
     return None
 
 
+def sources_of(rooms):
+    """Every file of code in the rooms."""
+    return [f"{room.name}/{file}" for room in rooms if os.path.isdir(room.name) for file in sorted(os.listdir(room.name))
+            if file.endswith(KINDS)]
+
+
+def included(path):
+    """What a file includes of the project, by line: the text, and the file that it means, or None."""
+    found = {}
+    for number, line in enumerate(open(path), 1):
+        name = re.match(r' *# *include "(.*)"', line)
+        if name:
+            found[number] = name[1], next((p for p in ("src/" + name[1], name[1]) if os.path.exists(p)), None)
+    return found
+
+
 def wrong_includes(sources, rooms, uses):
     for path in sources:
         own = room_of(path, rooms)
-        for number, line in enumerate(open(path), 1):
-            found = re.match(r' *#include "(.*)"', line)
-            if not found:
-                continue
-            target = next((p for p in ("src/" + found[1], found[1]) if os.path.exists(p)), None)
+        for number, (name, target) in included(path).items():
             other = room_of(target, rooms) if target else None
             if target and not target.endswith(KINDS):
                 continue
             if other is None:
-                yield f"{path}:{number}: includes {found[1]}, which is in no room of tests/rooms.txt"
-            elif rooms[own][1] != rooms[other][1]:
-                if rooms[other][1] not in uses[rooms[own][1]]:
-                    yield f"{path}:{number}: {rooms[own][1]} must not include {found[1]}"
+                yield f"{path}:{number}: includes {name}, which is in no room of tests/rooms.txt"
+            elif rooms[own].module != rooms[other].module:
+                if rooms[other].module not in uses[rooms[own].module]:
+                    yield f"{path}:{number}: {rooms[own].module} must not include {name}"
             elif other > own:
-                yield f"{path}:{number}: {rooms[own][0]} must not include {found[1]}, which stands above it"
+                yield f"{path}:{number}: {rooms[own].name} must not include {name}, which stands above it"
 
 
 def circles(sources, build):
@@ -98,8 +118,7 @@ def circles(sources, build):
 
 def main(build):
     rooms, uses = read_rooms("tests/rooms.txt")
-    sources = [f"{name}/{file}" for name, _ in rooms if os.path.isdir(name) for file in sorted(os.listdir(name))
-               if file.endswith(KINDS)]
+    sources = sources_of(rooms)
     bad = list(wrong_includes(sources, rooms, uses))
     bad += ["these files use one another in a circle: " + " ".join(part) for part in circles(sources, build)]
     for folder, count in collections.Counter(os.path.dirname(p) for p in sources if p.endswith(".c")).items():

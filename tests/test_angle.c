@@ -811,7 +811,7 @@ static void test_compare(void)
     }
     r[7] = 0.56;
     ang_comparison c;
-    CHECK_OK(ang_compare(&(ang_piles){0.2, N, r, t}, phi, B, rng, &c));
+    CHECK_OK(ang_compare(&(ang_piles){0.2, N, r, t}, phi, B, numbers_stream(rng), &c));
     CHECK_NEAR(c.theta_ms, atan(0.6), tight);
     CHECK_NEAR(c.theta_rt.mean, c.theta_r.mean + c.theta_t.mean, 10.0 * tight);
     CHECK_NEAR(c.diff_ms.value, c.theta_rt.mean - atan(0.6), tight);
@@ -824,16 +824,21 @@ static void test_compare(void)
                     {c.form[f].diff.value, c.theta_t.mean - at.theta_t},
                     {c.form[f].theta_rt.value, c.theta_r.mean + at.theta_t});
     }
-    CHECK_OK(ang_compare(&(ang_piles){0.2, 1, r, t}, phi, B, rng, &c));
+    CHECK_OK(ang_compare(&(ang_piles){0.2, 1, r, t}, phi, B, numbers_stream(rng), &c));
     CU_ASSERT(isnan(c.diff_ms.se) && isnan(c.form[0].theta_t.se) && !isnan(c.form[0].theta_t.value));
-    CHECK_OK(ang_compare(&(ang_piles){0.1, N, r, t}, phi, B, rng, &c)); /* theta_ms = 0.291, below the mean */
+    CHECK_OK(ang_compare(&(ang_piles){0.1, N, r, t}, phi, B, numbers_stream(rng),
+                         &c)); /* theta_ms = 0.291, below the mean */
     CU_ASSERT(c.form[0].status == ANG_TILT_ALREADY_UNSTABLE && isnan(c.form[0].diff.se) && c.n_lost > B / 2);
     CU_ASSERT(isnan(c.form[0].theta_t.value) && isfinite(c.diff_ms.se));
-    CHECK_FAILS(ang_compare(&(ang_piles){0.2, 0, r, t}, phi, B, rng, &c), RP_NO_RESULT, "no values");
-    CHECK_FAILS(ang_compare(&(ang_piles){0.2, N, r, t}, phi, 1, rng, &c), RP_BAD_INPUT, "resamples = 1");
-    CHECK_FAILS(ang_compare(&(ang_piles){-0.2, N, r, t}, phi, B, rng, &c), RP_BAD_INPUT, "mu = -0.2");
+    CHECK_FAILS(ang_compare(&(ang_piles){0.2, 0, r, t}, phi, B, numbers_stream(rng), &c), RP_NO_RESULT,
+                "no values");
+    CHECK_FAILS(ang_compare(&(ang_piles){0.2, N, r, t}, phi, 1, numbers_stream(rng), &c), RP_BAD_INPUT,
+                "resamples = 1");
+    CHECK_FAILS(ang_compare(&(ang_piles){-0.2, N, r, t}, phi, B, numbers_stream(rng), &c), RP_BAD_INPUT,
+                "mu = -0.2");
     r[0] = NAN;
-    CHECK_FAILS(ang_compare(&(ang_piles){0.2, N, r, t}, phi, B, rng, &c), RP_BAD_INPUT, "value 1");
+    CHECK_FAILS(ang_compare(&(ang_piles){0.2, N, r, t}, phi, B, numbers_stream(rng), &c), RP_BAD_INPUT,
+                "value 1");
 }
 
 /* The claim of Fig. 7 in numbers: errors of (4) and (3); and piles that are flat on average. */
@@ -843,18 +848,18 @@ static void compare_gain_and_flat_piles(void)
     const double flat[4] = {-0.012, 0.004, -0.003, 0.001}, mu = 0.2, phi = M_PI / 3.0;
     scoped_rng *rng = numbers_of(3, 0);
     ang_comparison c;
-    CHECK_OK(ang_compare(&(ang_piles){mu, 4, theta_r, theta_t}, phi, 400, rng, &c));
+    CHECK_OK(ang_compare(&(ang_piles){mu, 4, theta_r, theta_t}, phi, 400, numbers_stream(rng), &c));
     for (int f = 0; f < ANG_N_FORMS; f++) {
         const double form = fabs(c.form[f].diff.value), ms = fabs(c.diff_ms.value);
         CHECK_NEAR(c.form[f].gain.value, form - ms, 1e-15);
         CHECK_NEAR(c.form[f].gain_relative.value, form / c.theta_t.mean - ms / c.theta_rt.mean, 1e-14);
         CU_ASSERT(c.form[f].gain.se > 0.0 && c.form[f].gain_relative.se > 0.0);
     }
-    CHECK_OK(ang_compare(&(ang_piles){mu, 4, flat, theta_t}, phi, 50, rng, &c));
+    CHECK_OK(ang_compare(&(ang_piles){mu, 4, flat, theta_t}, phi, 50, numbers_stream(rng), &c));
     CU_ASSERT(c.form[ANG_BALANCED].status == ANG_TILT_NO_PILE && isnan(c.form[ANG_BALANCED].theta_t.value));
     CU_ASSERT_STRING_EQUAL(ang_tilt_words[ANG_TILT_NO_PILE], "no_pile");
     CU_ASSERT(isfinite(c.diff_ms.value) && c.n_lost > 0);
-    CHECK_OK(ang_compare(&(ang_piles){mu, 1, flat, theta_t}, phi, 50, rng,
+    CHECK_OK(ang_compare(&(ang_piles){mu, 1, flat, theta_t}, phi, 50, numbers_stream(rng),
                          &c)); /* one pile has no resamples to lose */
     CU_ASSERT(c.n_lost == 0);
 }
@@ -872,7 +877,7 @@ static void compare_resamples_of(double steeper, double mu)
     const double phi = M_PI / 3.0, ms = atan(3.0 * mu), unbias = sqrt(N / (N - 1.0));
     scoped_rng *rng = numbers_of(17, 0), *same = gsl_rng_clone(rng);
     ang_comparison c;
-    CHECK_OK(ang_compare(&(ang_piles){mu, N, theta_r, theta_t}, phi, B, rng, &c));
+    CHECK_OK(ang_compare(&(ang_piles){mu, N, theta_r, theta_t}, phi, B, numbers_stream(rng), &c));
     for (int b = 0; b < B; b++) {
         r[b] = t[b] = 0.0;
         for (int i = 0; i < N; i++) {
@@ -913,7 +918,7 @@ static void compare_resamples(void)
     compare_resamples_of(0.0, 0.11);
     compare_resamples_of(0.47, 1.0);
     /* no angle at the mean: no error either, though some resamples have it */
-    CHECK_OK(ang_compare(&(ang_piles){0.1, N, theta_r, theta_t}, M_PI / 3.0, B, rng, &c));
+    CHECK_OK(ang_compare(&(ang_piles){0.1, N, theta_r, theta_t}, M_PI / 3.0, B, numbers_stream(rng), &c));
     for (int f = 0; f < ANG_N_FORMS; f++)
         CU_ASSERT(isnan(c.form[f].theta_t.value) && isnan(c.form[f].theta_t.se) && isnan(c.form[f].gain.se));
     CU_ASSERT(c.n_lost > 0 && c.n_lost < B && c.n_unstable == 4);

@@ -285,10 +285,9 @@ static void large_files(void)
 /* Philox4x32-10 of the key and counter 0: the known answer of its authors' test vectors. */
 static void random_known_answer(void)
 {
-    scoped_rng *r = gsl_rng_alloc(rp_rng_philox);
-    gsl_rng_set(r, 0);
+    rp_random r = rp_random_of(0, 0, (rp_purpose)0);
     const unsigned long known[4] = {0x6627e8d5UL, 0xe169c58dUL, 0xbc57ac4cUL, 0x9b00dbd8UL};
-    for (int i = 0; i < 4; i++) CU_ASSERT_EQUAL(gsl_rng_get(r), known[i]);
+    for (int i = 0; i < 4; i++) CU_ASSERT_EQUAL(rp_random_word(&r), known[i]);
 }
 
 static void random_streams(void)
@@ -298,11 +297,11 @@ static void random_streams(void)
                                       {0, 0, RP_PURPOSE_RADII},     {4357, 0, RP_PURPOSE_RADII}};
     double first[6];
     for (int i = 0; i < 6; i++) {
-        scoped_rng *r = rp_random_alloc(names[i][0], names[i][1], (rp_purpose)names[i][2]);
-        first[i] = gsl_rng_uniform(r);
+        rp_random r = rp_random_of(names[i][0], names[i][1], (rp_purpose)names[i][2]);
+        first[i] = rp_random_uniform(&r);
         double sum = first[i];
         for (int k = 1; k < 10000; k++) {
-            double u = gsl_rng_uniform(r);
+            double u = rp_random_uniform(&r);
             CU_ASSERT(u >= 0.0 && u < 1.0);
             sum += u;
         }
@@ -320,8 +319,8 @@ static void cut_normal(void)
     scoped double *v = malloc(N * sizeof *v);
     for (int c = 0; c < 4; c++) {
         const double m = cases[c][0], w = cases[c][1], lo = cases[c][2], hi = cases[c][3];
-        scoped_rng *r = numbers_of(7, (unsigned long)c);
-        for (int i = 0; i < N; i++) v[i] = rp_random_cut_normal(r, m, w, lo, hi);
+        rp_random r = rp_random_of(7, (unsigned long)c, RP_PURPOSE_TEST);
+        for (int i = 0; i < N; i++) v[i] = rp_random_cut_normal(&r, m, w, lo, hi);
         gsl_sort(v, 1, N);
         CU_ASSERT(v[0] >= lo && v[N - 1] <= hi);
         double low = gsl_cdf_ugaussian_P((lo - m) / w), all = gsl_cdf_ugaussian_P((hi - m) / w) - low,
@@ -330,10 +329,10 @@ static void cut_normal(void)
             most = fmax(most, fabs((gsl_cdf_ugaussian_P((v[i] - m) / w) - low) / all - (i + 0.5) / N));
         CHECK_NEAR(most, 0.0, 2.23 / sqrt(N));
     }
-    scoped_rng *r = numbers_of(7, 9);
-    CU_ASSERT(rp_random_cut_normal(r, 0.1, 0.0, 0.07, 0.13) == 0.1);
-    CU_ASSERT(isnan(rp_random_cut_normal(r, 0.0, 1.0, 8.1, 9.0)) &&
-              isnan(rp_random_cut_normal(r, 0.0, 1.0, 1.0, 0.0)));
+    rp_random r = rp_random_of(7, 9, RP_PURPOSE_TEST);
+    CU_ASSERT(rp_random_cut_normal(&r, 0.1, 0.0, 0.07, 0.13) == 0.1);
+    CU_ASSERT(isnan(rp_random_cut_normal(&r, 0.0, 1.0, 8.1, 9.0)) &&
+              isnan(rp_random_cut_normal(&r, 0.0, 1.0, 1.0, 0.0)));
 }
 
 /* What pandas reads by read_csv(sep="\t", comment="#"): the lines without #. */
@@ -716,8 +715,7 @@ static void elementary(void)
                      {rp_sin, sinl, -40.0, 40.0, false},   {rp_cos, cosl, -40.0, 40.0, false},
                      {rp_tan, tanl, -5.0, 5.0, false},     {rp_asin, asinl, -1.0, 1.0, false},
                      {rp_acos, acosl, -1.0, 1.0, false},   {rp_atan, atanl, -9.0, 9.0, false}};
-    scoped_rng *r = gsl_rng_alloc(rp_rng_philox);
-    gsl_rng_set(r, 1);
+    scoped_rng *r = numbers_of(1, 0);
     for (size_t f = 0; f < sizeof functions / sizeof *functions; f++) {
         double worst = 0.0;
         for (int i = 0; i < 20000; i++) {

@@ -153,7 +153,7 @@ static void draw_profiles(gsl_rng *rng, double profiles[PILES * STRESS_DIP_BINS]
     for (int i = 0; i < PILES; i++) excess[i] = -TOP;
     for (int i = 0; i < PILES * STRESS_DIP_BINS; i++) {
         const int k = i % STRESS_DIP_BINS;
-        profiles[i] = even(k) + BIN_NOISE * rp_random_cut_normal(rng, 0.0, 1.0, -4.0, 4.0);
+        profiles[i] = even(k) + BIN_NOISE * rp_random_cut_normal(numbers_stream(rng), 0.0, 1.0, -4.0, 4.0);
         if (k >= 8 && k < 12) excess[i / STRESS_DIP_BINS] += profiles[i] / 4.0;
     }
 }

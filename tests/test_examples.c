@@ -223,5 +223,32 @@ static void crater(void)
     CU_ASSERT(depth[1] > 1.5 * depth[0] && force[1] > 1.5 * force[0] && time[1] < time[0]);
 }
 
+/* The program of the core alone says what it lacks, has no library but these, and the bits of its text. */
+static void core_alone(void)
+{
+    write_text("lacks.c",
+               "#include <stdio.h>\n#include \"dem/dem.h\"\nint main(void)\n{\n    dem_sim *sim;\n"
+               "    dem_definition def = dem_definition_default();\n    def.radius_to_come = 0.1;\n"
+               "    def.hard.on = true;\n    dem_create(&def, &sim);\n    puts(rp_message());\n"
+               "    def.hard.on = false, def.integrator = DEM_GEAR5;\n    dem_create(&def, &sim);\n"
+               "    puts(rp_message());\n}\n");
+    CU_ASSERT(
+        shell_line("${CC:-gcc} %s -I\"$REPOSE_DATA/src\" lacks.c \"${REPOSE%%/*}/libalone.a\" -lxxhash -lm "
+                   "-o lacks && ./lacks >out",
+                   check_fast() ? "-fsanitize=address,undefined -no-pie" : "") == 0);
+    CU_ASSERT_STRING_EQUAL(out, "hard: this program is built without it\n"
+                                "integrator: this program is built without it\n");
+    if (check_fast()) return;
+    SHELL("readelf -d \"${REPOSE%/*}/core\" | sed -n 's/.*NEEDED.*\\[\\(.*\\)\\.so.*/\\1/p' | sort | xargs "
+          ">out");
+    CU_ASSERT_STRING_EQUAL(out, "libc libm libxxhash\n");
+    GOOD("run examples/core.cfg");
+    SHELL("\"${REPOSE%/*}/core\" >core 2>err && awk '/^# steps:/ { steps = $3 } /^# digest:/ { digest = $3 } "
+          "$1 == \"height\" { printf \".* %s steps, .* height %.6g cm\\ndigest %s\\n\", steps, $2, digest }' "
+          "out "
+          ">run && grep -xf run core | wc -l >out");
+    CU_ASSERT_STRING_EQUAL(out, "2\n");
+}
+
 CHECK_SUITE_WITHIN(examples, "examples", enter_folder, leave, impact, chute, shear_box, drum, hopper,
-                   cylinder, box, column, ledge, biaxial, wedge, crater)
+                   cylinder, box, column, ledge, biaxial, wedge, crater, core_alone)

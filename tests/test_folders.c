@@ -1,5 +1,4 @@
 /* What people keep in and beside the program's folders: no command changes it. */
-#include <gsl/gsl_rng.h>
 #include <signal.h>
 
 #include "core/folder.h"
@@ -177,7 +176,7 @@ static void test_random_folders(void)
                                                   "export d --to csv -o d/w.tsv",
                                                   "view d -o d/pic.svg"};
     const size_t rounds = check_fast() ? 20 : 80;
-    gsl_rng *chance = rp_random_alloc(36, 1, RP_PURPOSE_TEST);
+    rp_random chance = rp_random_of(36, 1, RP_PURPOSE_TEST);
     write_text("s.cfg", SCENE);
     write_text("w.cfg", SWEEP);
     GOOD("run s.cfg -o run");
@@ -185,7 +184,7 @@ static void test_random_folders(void)
     CU_ASSERT(run_by_minutes(SIGTERM, "snapshot", 1, "run s.cfg --set steps=4000 --every 1 -o part") == 75);
     SHELL("mv part.part part");
     for (size_t k = 0; k < rounds; k++) {
-#define ANY(list) list[gsl_rng_uniform_int(chance, sizeof list / sizeof *list)]
+#define ANY(list) list[rp_random_below(&chance, sizeof list / sizeof *list)]
         const char *name = ANY(names), *thing = ANY(things), *start = ANY(starts), *words = ANY(commands);
         scoped char *put = strdup(
                         check_text("rm -rf d d.part e side saved; mkdir side && echo notes >side/notes "
@@ -200,7 +199,6 @@ static void test_random_folders(void)
                              name)) == 0;
         CHECK_OR_SAY(same, "%zu: %s; %s: changed by %s", k, start, made, words);
     }
-    gsl_rng_free(chance);
 }
 
 CHECK_SUITE_WITHIN(folders, "folders", enter, leave, test_refusals, test_forced, test_publish, test_sweeps,

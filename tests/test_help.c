@@ -131,6 +131,22 @@ static void check_about(const char *about, int width)
 
 static const char *typed = "repose"; /* the program */
 
+/* Every command has these texts, a group its summary alone. */
+static void check_texts(const cli_command *c)
+{
+    const struct {
+        const char *name, *text;
+    } texts[] = {{"summary", c->summary},
+                 {"synopsis", c->group ? "-" : c->synopsis},
+                 {"about", c->group ? "-" : c->about},
+                 {"refuses", c->group ? "-" : c->refuses},
+                 {"example", c->group ? "-" : c->example}};
+    for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
+        if (!texts[k].text) fprintf(stderr, "command %s: no %s\n", c->name, texts[k].name);
+        CU_ASSERT_FATAL(texts[k].text != NULL);
+    }
+}
+
 static void check_help(const cli_command *c)
 {
     const char *variable = strcmp(typed, "report") == 0 ? "REPORT" : "REPOSE";
@@ -169,6 +185,7 @@ static void check_help(const cli_command *c)
 
 static void test_help(void)
 {
+    each(cli_repose.commands, check_texts), each(report_commands, check_texts);
     each(cli_repose.commands, check_help);
     typed = "report";
     each(report_commands, check_help);

@@ -99,7 +99,7 @@ static void planted(size_t n_names)
     scoped_stand_in s = {.n_names = n_names, .n_numbers = n_names + 1, .scatter = {1.0, 0.8, 0.6, 0.5}};
     scoped double *z = malloc(n * n_names * sizeof *z);
     size_t inside[STATS_NAMES] = {0}, used = 0, tried = 0, recovered = 0;
-    s.noise = rp_random_alloc(2026, n_names, RP_PURPOSE_TEST);
+    s.noise = numbers_of(2026, n_names);
     for (size_t i = 0; i < n; i++) {
         double truth[STATS_NAMES];
         stats_answer a;
@@ -149,7 +149,7 @@ static void test_arch(void)
 {
     scoped_stand_in s = {.n_names = 1, .n_numbers = 1, .arch = true, .scatter = {0.5}};
     stats_answer a;
-    s.noise = rp_random_alloc(11, 1, RP_PURPOSE_TEST);
+    s.noise = numbers_of(11, 1);
     stats_quest q = quest_of(&s, (double[STATS_NAMES]){0.5}, 0.3);
     q.value[0] = 21.0;
     CHECK_OK(stats_identify(&q, &a));
@@ -182,7 +182,7 @@ static void test_degenerate(void)
     const size_t n = check_fast() ? 50 : 100;
     size_t said = 0, told = 0, inside = 0;
     scoped_stand_in s = {.n_names = 2, .n_numbers = 2, .degenerate = true, .scatter = {0.5, 0.5}};
-    s.noise = rp_random_alloc(7, 1, RP_PURPOSE_TEST);
+    s.noise = numbers_of(7, 1);
     for (size_t i = 0; i < n; i++) {
         const double truth[] = {0.3 + 0.4 * gsl_rng_uniform(s.noise), 0.4 + 0.2 * gsl_rng_uniform(s.noise)};
         stats_answer a;
@@ -211,7 +211,7 @@ static void test_statuses(void)
 {
     scoped_stand_in s = {.n_names = 1, .n_numbers = 1, .scatter = {1.0}};
     stats_answer a;
-    s.noise = rp_random_alloc(8, 1, RP_PURPOSE_TEST);
+    s.noise = numbers_of(8, 1);
     stats_quest q = quest_of(&s, (double[STATS_NAMES]){0.5}, 0.4);
     q.value[0] = 70.0;
     CHECK_OK(stats_identify(&q, &a));
@@ -243,7 +243,7 @@ static void test_statuses(void)
     CHECK_FAILS(stats_identify(&q, &a), RP_BAD_INPUT, "0 names, 1 numbers");
     /* only what is allowed */
     scoped_stand_in t = {.n_names = 2, .n_numbers = 2, .scatter = {0.5, 0.5}};
-    t.noise = rp_random_alloc(9, 1, RP_PURPOSE_TEST);
+    t.noise = numbers_of(9, 1);
     stats_quest two = quest_of(&t, (double[STATS_NAMES]){0.6, 0.4}, 0.2);
     two.allowed = below, two.leave_out = true;
     CHECK_OK(stats_identify(&two, &a));
@@ -282,7 +282,7 @@ static void test_bent(void)
     stats_answer a;
     scoped_stand_in s = {
         .n_names = 2, .n_numbers = 2, .degenerate = true, .plateau = true, .scatter = {0.05, 0.05}};
-    s.noise = rp_random_alloc(16, 1, RP_PURPOSE_TEST), s.told = &t;
+    s.noise = numbers_of(16, 1), s.told = &t;
     stats_quest q = quest_of(&s, (double[STATS_NAMES]){0.3, 0.2}, 0.1);
     q.tell = note_told;
     CHECK_OK(stats_identify(&q, &a));
@@ -294,7 +294,7 @@ static void test_bent(void)
     CHECK_NEAR(a.ends[1][0] + 1.9 * a.ends[1][1], a.ends[0][0] + 1.9 * a.ends[0][1], 0.05);
 
     scoped_stand_in kink = {.n_names = 2, .n_numbers = 1, .kink = true, .scatter = {0.02}};
-    kink.noise = rp_random_alloc(17, 1, RP_PURPOSE_TEST), t = (told){0}, kink.told = &t;
+    kink.noise = numbers_of(17, 1), t = (told){0}, kink.told = &t;
     q = quest_of(&kink, (double[STATS_NAMES]){0.45, 0.5}, 0.1), q.tell = note_told;
     CHECK_OK(stats_identify(&q, &a));
     CU_ASSERT(a.status[0] == STATS_IDENTIFIED_BENT && a.status[1] == STATS_IDENTIFIED_BENT && !a.determined);
@@ -313,7 +313,7 @@ static void test_few_runs(void)
     enum { CASES = 300 };
     scoped_stand_in s = {.n_names = 1, .n_numbers = 1, .scatter = {1.0}};
     int inside = 0;
-    s.noise = rp_random_alloc(15, 1, RP_PURPOSE_TEST);
+    s.noise = numbers_of(15, 1);
     for (int k = 0; k < CASES; k++) {
         const double truth = 0.3 + 0.4 * gsl_rng_uniform(s.noise);
         stats_answer a;
@@ -338,7 +338,7 @@ static void test_failing(void)
     for (size_t k = 0; k < 3; k++) {
         scoped_stand_in s = {.n_names = 1, .n_numbers = 1, .scatter = {0.3}, .fails = 0.5};
         stats_answer a;
-        s.noise = rp_random_alloc(12, k, RP_PURPOSE_TEST);
+        s.noise = numbers_of(12, k);
         const stats_quest q = quest_of(&s, &cases[k].at, 0.3);
         CHECK_OK(stats_identify(&q, &a));
         CU_ASSERT(a.status[0] == cases[k].status && a.hi[0] <= 0.5 && a.hi[0] > 0.4 &&
@@ -346,7 +346,7 @@ static void test_failing(void)
     }
     scoped_stand_in s = {.n_names = 2, .n_numbers = 2, .scatter = {0.3, 0.3}, .fails = 1.0};
     stats_answer a;
-    s.noise = rp_random_alloc(13, 1, RP_PURPOSE_TEST);
+    s.noise = numbers_of(13, 1);
     for (int k = 0; k < 2; k++) {
         const stats_quest q = quest_of(&s, (double[]){0.3 + 0.3 * k, 0.3 + 0.3 * k}, 0.1);
         CHECK_OK(stats_identify(&q, &a));
@@ -355,7 +355,7 @@ static void test_failing(void)
     int lacking = 0, tried = 0;
     for (int k = 0; k < 40; k++) { /* most of those in the interval lack it, or the nearest does */
         scoped_stand_in one = {.n_names = 1, .n_numbers = 1, .scatter = {0.3}, .fails = 1e3 * M_PI + 7.7 * k};
-        one.noise = rp_random_alloc(14, (unsigned long)k, RP_PURPOSE_TEST);
+        one.noise = numbers_of(14, (unsigned long)k);
         const stats_quest q = quest_of(&one, (double[]){0.4}, 0.3);
         if (stats_identify(&q, &a)) continue; /* too few points */
         tried++, lacking += a.status[0] == STATS_IDENTIFIED_NO_RUNS;
@@ -392,7 +392,7 @@ static void test_answers(void)
         scoped_stand_in s = cases[k].s;
         char text[512] = "", *end = text;
         stats_answer a;
-        s.noise = rp_random_alloc(15, k, RP_PURPOSE_TEST);
+        s.noise = numbers_of(15, k);
         for (size_t i = 0; i < s.n_numbers; i++) s.scatter[i] = 0.8;
         stats_quest q = quest_of(&s, (double[]){0.37, 0.56, 0.45}, cases[k].error);
         q.budget = 900, q.leave_out = true;

@@ -5,7 +5,6 @@
  *
  * The files that Repose writes itself are synced before they are renamed, and their folder afterwards. */
 #include <glob.h>
-#include <gsl/gsl_rng.h>
 #include <signal.h>
 #include <sqlite3.h>
 #include <sys/mman.h>
@@ -203,11 +202,11 @@ static void put_shim(void)
 
 /* ---- The disk after a cut */
 
-static gsl_rng *chance;
+static rp_random chance;
 
 static bool draw(double p)
 {
-    return gsl_rng_uniform(chance) < p;
+    return rp_random_uniform(&chance) < p;
 }
 
 /* A write that may be whole, not there, or torn: each sector new, old, or neither. */
@@ -218,11 +217,11 @@ static void write_part(const event *e, double share, unsigned char *bytes, size_
     for (size_t k = 0; k < e->n; k++) {
         static unsigned sector;
         const size_t at = (size_t)e->at + k;
-        if (k == 0 || at % SECTOR == 0) sector = (unsigned)gsl_rng_uniform_int(chance, 5);
+        if (k == 0 || at % SECTOR == 0) sector = (unsigned)rp_random_below(&chance, 5);
         if (!torn || sector < 2)
             bytes[at] = e->bytes[k];
         else if (sector == 4)
-            bytes[at] = (unsigned char)gsl_rng_uniform_int(chance, 256);
+            bytes[at] = (unsigned char)rp_random_below(&chance, 256);
     }
     if ((size_t)e->at + e->n > *length) *length = (size_t)e->at + e->n;
 }
@@ -252,12 +251,12 @@ static void write_file(int file, size_t cut, double share, const char *folder)
 static void write_disk(size_t cut, const char *folder)
 {
     static const double shares[] = {0.0, 0.5, 0.9, 1.0};
-    const double share = shares[gsl_rng_uniform_int(chance, 4)];
+    const double share = shares[rp_random_below(&chance, 4)];
     bool there[MOST_FILES] = {false};
     size_t sure = 0, last;
     for (size_t i = 0; i < cut; i++)
         if (disk.events[i].act == SYNC_FOLDER) sure = i;
-    last = share < 1.0 ? sure + gsl_rng_uniform_int(chance, cut - sure + 1) : cut;
+    last = share < 1.0 ? sure + rp_random_below(&chance, cut - sure + 1) : cut;
     for (size_t i = 0; i < last; i++) {
         const event *e = &disk.events[i];
         if (e->act == CREATE || e->act == DELETE) there[e->file] = e->act == CREATE;
@@ -281,13 +280,12 @@ static void make_base(void)
     snprintf(file, sizeof file, "%s/s.cfg", base);
     snprintf(dir, sizeof dir, "%s/d", base);
     snprintf(cut_dir, sizeof cut_dir, "%s/cut", base);
-    chance = rp_random_alloc(18, 13, RP_PURPOSE_TEST);
+    chance = rp_random_of(18, 13, RP_PURPOSE_TEST);
     file_print(file, "protocol = \"power\"; replicas = %d; grid = { x = [1.0, 2.0]; };\n", ROWS / 2);
 }
 
 static void remove_base(void)
 {
-    gsl_rng_free(chance);
     folder_remove(base);
 }
 
@@ -380,7 +378,7 @@ static void cut_sweeps(bool shared)
     CU_ASSERT(journal != shared);
     for (size_t k = 0; k < cuts; k++) {
         const size_t first = k % 5 ? planned : 0;
-        check_cut(first + gsl_rng_uniform_int(chance, disk.n - first + 1), planned, good, digest);
+        check_cut(first + rp_random_below(&chance, disk.n - first + 1), planned, good, digest);
     }
     forget();
     fault_shared_file_system = false;

@@ -3,13 +3,13 @@
 
 #include "tests/program.h"
 
-static char script[PATH_MAX];
+static char script[PATH_MAX], sizes[PATH_MAX];
 
 /* Two rooms, a file in each; the upper one uses the lower one by a function and a descriptor. */
 static void plant(void)
 {
     enter();
-    write_text("rooms.txt", "core src/low\ntop src/high < core\n");
+    write_text("rooms.txt", "core src/low core\ntop src/high tool < core\n");
     CU_ASSERT_EQUAL_FATAL(shell("mkdir -p tests src/low src/high build/obj/src/low build/obj/src/high; "
                                 "mv rooms.txt tests; >out 2>err"),
                           0);
@@ -25,7 +25,7 @@ static void plant(void)
 static void check_says(const char *expected)
 {
     const int status = shell_line("for f in src/*/*.c; do gcc -Isrc -c $f -o build/obj/${f%%.c}.o || exit 9; "
-                                  "done; python3 %s build >out 2>err",
+                                  "done; python3 -B %s build >out 2>err",
                                   script);
     CU_ASSERT_EQUAL(status, *expected != '\0');
     CU_ASSERT_STRING_EQUAL(out, expected);
@@ -52,11 +52,35 @@ static void test_rooms(void)
                                   "int high(void) { return more(); }\n");
     check_says("lint: these files use one another in a circle: src/high/high.c src/high/more.c\n");
     plant();
-    write_text("tests/rooms.txt", "core src/high\ncore src/low\n");
+    write_text("tests/rooms.txt", "core src/high core\ncore src/low core\n");
     check_says("lint: src/high/high.c:1: src/high must not include low/low.h, which stands above it\n");
     plant();
     SHELL("for k in $(seq 20); do echo >src/low/more$k.c; done; :>out; :>err");
     check_says("lint: src/low has 21 .c files, more than 20\n");
+    plant();
+    write_text("tests/rooms.txt", "core src/low core\ntop src/high < core\n");
+    check_says("lint: tests/rooms.txt: src/high has the class <, which is none of core, tool, papers\n");
 }
 
-CHECK_SUITE(rooms, "rooms", test_rooms)
+/* A semicolon counts in code alone, a header once, and a file without its ending is a room of its own. */
+static void test_sizes(void)
+{
+    CU_ASSERT_PTR_NOT_NULL_FATAL(realpath("tests/sizes.py", sizes));
+    plant();
+    write_text("tests/rooms.txt", "core src/low core\ntop src/high/more papers\ntop src/high tool < core\n");
+    write_text("src/high/more.h", "#include \"low/low.h\"\n\n");
+    write_text("src/high/more.c", "/* a; \"\n */\n\n#include \"high/more.h\"\n#include \"low/low.h\"\n"
+                                  "const char c[] = \"/* ;\", d = ';'; // ; \\\n");
+    CU_ASSERT(shell_line("python3 -B %s | sed 's/  */ /g' >out 2>err", sizes) == 0);
+    CU_ASSERT_STRING_EQUAL(out, "room class files lines code semi reads most\n"
+                                "src/low core 2 4 4 3 1 src/low/low.c\n"
+                                "src/high/more papers 2 8 4 1 3 src/high/more.c\n"
+                                "src/high tool 1 4 4 2 1 src/high/high.c\n"
+                                "core 2 4 4 3\n"
+                                "tool 1 4 4 2\n"
+                                "papers 2 8 4 1\n"
+                                "all 5 16 12 6\n");
+    leave();
+}
+
+CHECK_SUITE(rooms, "rooms", test_rooms, test_sizes)

@@ -2,7 +2,7 @@
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_math.h>
 
-#include "core/sparse.h"
+#include "sparse/sparse.h"
 #include "tests/check.h"
 #include "tests/numbers.h"
 

@@ -514,11 +514,11 @@ static void test_sweep(void)
 static double resampled_error(size_t n, const double a[], const double b[], int resamples, unsigned long seed)
 {
     double sum = 0.0, squares = 0.0;
-    scoped_rng *rng = rp_random_alloc(seed, 0, RP_PURPOSE_BOOTSTRAP);
+    rp_random rng = rp_random_of(seed, 0, RP_PURPOSE_BOOTSTRAP);
     for (int k = 0; k < resamples; k++) {
         double mean = 0.0;
         for (size_t i = 0; i < n; i++) {
-            const size_t pick = gsl_rng_uniform_int(rng, n);
+            const size_t pick = rp_random_below(&rng, n);
             mean += (a[pick] + b[pick]) / (double)n;
         }
         sum += mean, squares += mean * mean;

@@ -6,7 +6,7 @@
 #include "tests/program.h"
 
 static const double R = 0.1, M = 0.0042;
-static gsl_rng *stream;
+static rp_random stream;
 
 /* ---- closed forms ---- */
 
@@ -373,7 +373,7 @@ static void inside(void)
 
 static double between(double lo, double hi)
 {
-    return lo + (hi - lo) * gsl_rng_uniform(stream);
+    return lo + (hi - lo) * rp_random_uniform(&stream);
 }
 
 /* A random surface, and the same cut at random points into segments, in any order, with either side as their
@@ -413,7 +413,7 @@ static void cut_surface(surface *s, const dem_material *material)
  * not, by each law, also where the grain starts exactly above a joint. */
 static void cut_surfaces(void)
 {
-    stream = rp_random_alloc(1993, 36, RP_PURPOSE_TEST);
+    stream = rp_random_of(1993, 36, RP_PURPOSE_TEST);
     for (int k = 0; k < 120; k++) {
         dem_definition def = dem_definition_default();
         dem_state end[2];
@@ -446,7 +446,6 @@ static void cut_surfaces(void)
         CHECK_PAIRS(1e-6 * v, {end[0].vx, end[1].vx}, {end[0].vy, end[1].vy});
         CHECK_NEAR(end[0].omega, end[1].omega, 1e-6 * v / 0.1);
     }
-    gsl_rng_free(stream);
 }
 
 /* A grain that falls on a joint of a floor, or as near to it as round-off, rebounds as beside it. */
@@ -496,7 +495,7 @@ static void print_scene(char *text, size_t size, unsigned long run, double sign)
 {
     FILE *f = fmemopen(text, size, "w");
     CU_ASSERT_PTR_NOT_NULL_FATAL(f);
-    stream = rp_random_alloc(1993, run, RP_PURPOSE_TEST);
+    stream = rp_random_of(1993, run, RP_PURPOSE_TEST);
     const bool turns = between(0.0, 1.0) < 0.3, hard = between(0.0, 1.0) < 0.2;
     fprintf(
         f,
@@ -530,7 +529,6 @@ static void print_scene(char *text, size_t size, unsigned long run, double sign)
                 between(0.05, 0.07), sign * between(-20.0, 20.0), between(-20.0, 5.0),
                 sign * between(-50.0, 50.0));
     fprintf(f, " );\n");
-    gsl_rng_free(stream);
     fclose(f);
 }
 

@@ -63,7 +63,7 @@ static void write_fit(size_t names, int seed, const double value[], const double
 static void test_found_again(void)
 {
     const int cases = check_full() ? 10 : 3;
-    scoped_rng *rng = rp_random_alloc(39, 3, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(39, 3);
     CHECK_TABLE(table, "calibration", "names, case, parameter, truth, value, lower, upper, status");
     int inside = 0, near = 0, n = 0;
     write_text("impact.cfg", "%s", impact);
@@ -202,7 +202,7 @@ static void test_bent(void)
     scoped double *width = malloc(3 * cases * sizeof *width);
     bent_tally t = {.width = width};
     for (size_t i = 0; i < cases; i++) {
-        scoped_rng *rng = rp_random_alloc(37, i, RP_PURPOSE_TEST);
+        scoped_rng *rng = numbers_of(37, i);
         const double pick = gsl_rng_uniform(rng),
                      truth[] = {gsl_ran_flat(rng, 0.2, 0.85), gsl_ran_flat(rng, 0.2, 0.85)};
         bent_model s = {.noise = rng, .n = pick < 0.1 ? 1 : pick < 0.8 ? 2 : 3};

@@ -7,10 +7,10 @@
 #ifndef ANG_ANGLE_H
 #define ANG_ANGLE_H
 
-#include <gsl/gsl_rng.h>
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "core/random.h"
 #include "core/status.h"
 #include "stats/stats.h"
 
@@ -175,7 +175,7 @@ typedef struct {
 
 /* piles->mu in [0, inf], phi in (0, pi/2), n_resamples >= 2. Standard errors are NaN for a single pile.
  * Errors: RP_NO_RESULT without piles, those of stats_mean and ang_tilt. */
-rp_status ang_compare(const ang_piles *piles, double phi, size_t n_resamples, gsl_rng *rng,
+rp_status ang_compare(const ang_piles *piles, double phi, size_t n_resamples, rp_random *rng,
                       ang_comparison *comparison);
 
 RP_C_END

@@ -13,11 +13,11 @@
 enum { OF_FORM = 5, N_QUANTITIES = 1 + OF_FORM * ANG_N_FORMS };
 
 /* Means of theta_r and theta_t over as many piles, drawn with replacement. */
-static void resample(const ang_piles *piles, gsl_rng *rng, double *r, double *t)
+static void resample(const ang_piles *piles, rp_random *rng, double *r, double *t)
 {
     double r_sum = 0.0, t_sum = 0.0;
     for (size_t i = 0; i < piles->n; i++) {
-        const size_t k = gsl_rng_uniform_int(rng, piles->n);
+        const size_t k = rp_random_below(rng, piles->n);
         r_sum += piles->theta_r[k];
         t_sum += piles->theta_t[k];
     }
@@ -68,7 +68,8 @@ static void take_estimates(size_t n, const double q[], size_t n_resamples, doubl
     }
 }
 
-rp_status ang_compare(const ang_piles *piles, double phi, size_t n_resamples, gsl_rng *rng, ang_comparison *c)
+rp_status ang_compare(const ang_piles *piles, double phi, size_t n_resamples, rp_random *rng,
+                      ang_comparison *c)
 {
     const size_t n = piles->n;
     const double *theta_r = piles->theta_r, *theta_t = piles->theta_t, mu = piles->mu;

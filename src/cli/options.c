@@ -102,12 +102,9 @@ static void print_help(const cli_call *call)
         fputc('\n', call->out);
     }
     fprintf(call->out, "  %-22s this text\n\n", "--help");
-    if (c->refuses) {
-        fputs("refuses:\n", call->out);
-        print_lines(call->out, c->refuses, "  ", "");
-        fputc('\n', call->out);
-    }
-    fprintf(call->out, "example:\n  %s\n", c->example);
+    fputs("refuses:\n", call->out);
+    print_lines(call->out, c->refuses, "  ", "");
+    fprintf(call->out, "\nexample:\n  %s\n", c->example);
 }
 
 /* ---- the options of a command ---- */

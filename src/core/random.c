@@ -3,91 +3,79 @@
 
 #include <Random123/philox.h>
 #include <math.h>
-#include <stdint.h>
+#include <string.h>
 
-typedef struct {
-    philox4x32_ctr_t counter; /* block number (64 bits), run, purpose */
-    philox4x32_key_t key;     /* campaign seed, 0 */
-    philox4x32_ctr_t block;
-    unsigned used; /* 32-bit words of the block already given */
-} philox_state;
-
-static void philox_name(philox_state *s, uint32_t seed, uint32_t run, uint32_t purpose)
+rp_random rp_random_of(unsigned long seed, unsigned long run, rp_purpose purpose)
 {
-    *s = (philox_state){.counter.v = {0, 0, run, purpose}, .key.v = {seed, 0}, .used = 4};
+    return (rp_random){
+        .counter = {0, 0, (uint32_t)run, (uint32_t)purpose}, .key = {(uint32_t)seed, 0}, .used = 4};
 }
 
-static void philox_set(void *state, unsigned long seed)
+rp_random *rp_random_in(rp_arena *memory, unsigned long seed, unsigned long run, rp_purpose purpose)
 {
-    philox_name(state, (uint32_t)seed, 0, 0);
-}
-
-static unsigned long philox_get(void *state)
-{
-    philox_state *s = state;
-    if (s->used == 4) {
-        s->block = philox4x32(s->counter, s->key);
-        if (++s->counter.v[0] == 0) ++s->counter.v[1];
-        s->used = 0;
-    }
-    return s->block.v[s->used++];
-}
-
-static double philox_get_double(void *state)
-{
-    uint64_t high = philox_get(state) >> 5, low = philox_get(state) >> 6; /* 27 + 26 bits */
-    return (double)(high << 26 | low) * (1.0 / 9007199254740992.0);
-}
-
-static const gsl_rng_type philox_type = {"philox4x32", 0xffffffffUL,     0, sizeof(philox_state), philox_set,
-                                         philox_get,   philox_get_double};
-
-const gsl_rng_type *rp_rng_philox = &philox_type;
-
-gsl_rng *rp_random_alloc(unsigned long seed, unsigned long run, rp_purpose purpose)
-{
-    gsl_rng *r = gsl_rng_alloc(rp_rng_philox);
-    if (r) philox_name(gsl_rng_state(r), (uint32_t)seed, (uint32_t)run, (uint32_t)purpose);
+    rp_random *r = rp_arena_memory(memory, 1, sizeof *r);
+    if (r) *r = rp_random_of(seed, run, purpose);
     return r;
 }
 
-static void end(void *stream)
+bool rp_random_is_whole(const rp_random *r)
 {
-    gsl_rng_free(stream);
+    return r->used <= 4;
 }
 
-gsl_rng *rp_random_in(rp_arena *memory, unsigned long seed, unsigned long run, rp_purpose purpose)
+uint32_t rp_random_word(rp_random *r)
 {
-    return rp_arena_keep(memory, rp_random_alloc(seed, run, purpose), end);
+    if (r->used == 4) {
+        philox4x32_ctr_t counter;
+        philox4x32_key_t key;
+        memcpy(counter.v, r->counter, sizeof r->counter);
+        memcpy(key.v, r->key, sizeof r->key);
+        counter = philox4x32(counter, key);
+        memcpy(r->block, counter.v, sizeof r->block);
+        if (++r->counter[0] == 0) ++r->counter[1];
+        r->used = 0;
+    }
+    return r->block[r->used++];
 }
 
-bool rp_random_is_whole(const gsl_rng *r)
+double rp_random_uniform(rp_random *r)
 {
-    return ((const philox_state *)gsl_rng_state(r))->used <= 4;
+    const uint64_t high = rp_random_word(r) >> 5, low = rp_random_word(r) >> 6; /* 27 + 26 bits */
+    return (double)(high << 26 | low) * (1.0 / 9007199254740992.0);
+}
+
+/* Every number has as many of the words; those left over are drawn again. */
+size_t rp_random_below(rp_random *r, size_t n)
+{
+    const size_t share = UINT32_MAX / n;
+    size_t k;
+    do k = rp_random_word(r) / share;
+    while (k >= n);
+    return k;
 }
 
 /* True with probability exp(-x), 0 <= x <= 1: the run x > u1 > u2 > ... has even length with it. */
-static bool accept_exp_unit(gsl_rng *r, double x)
+static bool accept_exp_unit(rp_random *r, double x)
 {
     bool even = true;
-    for (double last = x, u; (u = gsl_rng_uniform(r)) < last; last = u) even = !even;
+    for (double last = x, u; (u = rp_random_uniform(r)) < last; last = u) even = !even;
     return even;
 }
 
-static bool accept_exp(gsl_rng *r, double x)
+static bool accept_exp(rp_random *r, double x)
 {
     for (; x > 1.0; x -= 1.0)
         if (!accept_exp_unit(r, 1.0)) return false;
     return accept_exp_unit(r, x);
 }
 
-double rp_random_cut_normal(gsl_rng *r, double mean, double width, double lo, double hi)
+double rp_random_cut_normal(rp_random *r, double mean, double width, double lo, double hi)
 {
     if (width <= 0.0) return mean;
     double a = fmax((lo - mean) / width, -8.0), b = fmin((hi - mean) / width, 8.0);
     if (!(a <= b)) return NAN;
     for (;;) {
-        double z = a + (b - a) * gsl_rng_uniform(r);
+        double z = a + (b - a) * rp_random_uniform(r);
         if (accept_exp(r, 0.5 * z * z)) return mean + width * z;
     }
 }

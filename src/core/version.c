@@ -12,12 +12,6 @@
     "fused or inexact arithmetic changes the bits of results: build without -march=native, -mfma, -ffast-math, -m32"
 #endif
 
-#include <gsl/gsl_version.h>
-#include <libconfig.h>
-#include <sqlite3.h>
-#include <suitesparse/cholmod.h>
-#include <xxhash.h>
-
 #ifndef RP_COMMIT
 #define RP_COMMIT "unknown"
 #endif
@@ -32,17 +26,10 @@
 #else
 #define COMPILER "gcc "
 #endif
-#define TEXT_(x)  #x
-#define TEXT(x)   TEXT_(x)
-#define LIBCONFIG TEXT(LIBCONFIG_VER_MAJOR) "." TEXT(LIBCONFIG_VER_MINOR)
-#define CHOLMOD   TEXT(CHOLMOD_MAIN_VERSION) "." TEXT(CHOLMOD_SUB_VERSION) "." TEXT(CHOLMOD_SUBSUB_VERSION)
-#define XXHASH    TEXT(XXH_VERSION_MAJOR) "." TEXT(XXH_VERSION_MINOR) "." TEXT(XXH_VERSION_RELEASE)
 
 const char rp_build_commit[] = RP_COMMIT;
 const char rp_build_sources[] = RP_SOURCES;
 const char rp_build_compiler[] = COMPILER __VERSION__ " " RP_FLAGS;
-const char rp_build_libraries[] = "GSL " GSL_VERSION ", libconfig " LIBCONFIG ", SQLite " SQLITE_VERSION
-                                  ", CHOLMOD " CHOLMOD ", xxHash " XXHASH ", Random123 philox4x32-10";
 
 const char *rp_model(char text[32])
 {

@@ -16,7 +16,7 @@ RP_C_BEGIN
  * `build/check golden model` says whether the bits are the same, and prints this line anew. */
 #define RP_MODEL_SOURCES "d71b3e6ef304e1c0"
 
-extern const char rp_build_commit[], rp_build_compiler[], rp_build_libraries[], rp_build_sources[];
+extern const char rp_build_commit[], rp_build_compiler[], rp_build_sources[];
 
 /* What stored results share beside their settings: "4", the version of the physics; of sources that no one
  * has compared with the golden digests also their hash, so that they share nothing. Returns `text`. */

@@ -97,7 +97,7 @@ typedef struct {
     dem_well_set set;
 } dem_ground;
 
-/* Hard collisions of fast bodies; methods/hard.c, law/bodies.h. Grains, or a grain and a wall, that would
+/* Hard collisions of fast bodies; papers/hard.c, law/bodies.h. Grains, or a grain and a wall, that would
  * touch in the coming step collide at touch. If they close no faster than dt times the acceleration that
  * presses them together, eq (22), the step would undo a rebound: they form a soft contact, which lasts until
  * they part. */
@@ -500,7 +500,7 @@ typedef struct {
     const double *corners;
     long number;      /* of the fill in a scene, from 0 on: each has streams of its own */
     size_t n_there;   /* grains that are there already, right before `grains` in their array */
-    void *streams[2]; /* gsl_rng of radii and places that go on afterwards; NULL: those of seed and run */
+    void *streams[2]; /* rp_random of radii and places that go on afterwards; NULL: those of seed and run */
 } dem_fill;
 
 /* Draw radii, and place the grains: `grains` has room for dem_fill_most(fill), *n are placed, fill->N where

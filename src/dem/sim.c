@@ -112,6 +112,7 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     sim->def.n_contacts = 0;
     sim->def.lines = NULL;
     sim->scheme = dem_schemes[def->integrator];
+    if (def->hard.on) sim->hard = dem_hard_collisions;
     sim->mu = dem_finite_mu(def->material.mu);
     sim->def.material.mu_roll = dem_finite_mu(def->material.mu_roll);
     sim->pairs.rotation = def->rotation;
@@ -152,6 +153,9 @@ static rp_status check_choices(const dem_definition *def)
     for (size_t k = 0; k < sizeof choices / sizeof *choices; k++)
         if (choices[k].value >= choices[k].n)
             return rp_fail(RP_BAD_INPUT, "%s = %d: no such choice", choices[k].name, (int)choices[k].value);
+    if (!dem_schemes[def->integrator] || (def->hard.on && !dem_hard_collisions))
+        return rp_fail(RP_BAD_INPUT, "%s: this program is built without it",
+                       def->hard.on ? "hard" : "integrator");
     return RP_OK;
 }
 

@@ -152,7 +152,7 @@ static void strip(dem_sim *state)
 #undef X
     state->def.wall_list = NULL;
     state->work = NULL, state->list.work = NULL, state->list.sizes = NULL, state->ledger = NULL;
-    state->team = NULL, state->scheme = NULL, state->times = NULL;
+    state->team = NULL, state->scheme = NULL, state->hard = NULL, state->times = NULL;
     state->loops = (dem_loops){0};
     state->threads = 0;
     state->pairs.capacity = state->pairs.chunk_capacity = state->walls.capacity = 0;
@@ -182,6 +182,7 @@ void dem_keep(rp_snapshot *s, dem_sim **sim)
         *sim = c;
         *c = state;
         c->scheme = dem_schemes[c->def.integrator];
+        c->hard = c->def.hard.on ? dem_hard_collisions : NULL;
         dem_loops_choose(c);
     }
     if (!s->reading) keep_wall_list(s, c);

@@ -123,7 +123,7 @@ static double touch_height(exp_run *run, double x, double r, double gap)
 
 static double between(exp_run *run, const double ends[2])
 {
-    return ends[0] == ends[1] ? ends[0] : ends[0] + (ends[1] - ends[0]) * gsl_rng_uniform(run->random[1]);
+    return ends[0] == ends[1] ? ends[0] : ends[0] + (ends[1] - ends[0]) * rp_random_uniform(run->random[1]);
 }
 
 double exp_density(const exp_plan *plan, const exp_add *a, double given)

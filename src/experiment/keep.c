@@ -115,7 +115,7 @@ static void keep_place(rp_snapshot *s, exp_run *run)
     keep_ids(s, run);
     keep_loads(s, p, run->loads);
     for (int k = 0; k < 2 && run->random[k] && !s->status; k++) {
-        rp_keep(s, gsl_rng_state(run->random[k]), gsl_rng_size(run->random[k]));
+        rp_keep(s, run->random[k], sizeof *run->random[k]);
         rp_keep_check(s, rp_random_is_whole(run->random[k]), "a random stream that is none");
     }
     if (!s->status) keep_sim(s, &run->sim);

@@ -2,8 +2,7 @@
 #ifndef EXP_PRIVATE_H
 #define EXP_PRIVATE_H
 
-#include <gsl/gsl_rng.h>
-
+#include "core/random.h"
 #include "experiment/experiment.h"
 
 /* Symbols: uses of observables below this, then outputs. */
@@ -252,7 +251,7 @@ struct exp_run {
     double *marks;             /* x, y of ids from 1 on, in the box's frame; NAN: none */
     int32_t *kinds;            /* of ids from 1 on; -1: none */
     long *loads;               /* of walls, along x and y: number of the load, or -1 */
-    gsl_rng *random[2];        /* radii and places of the first fill, then of grains that are added */
+    rp_random *random[2];      /* radii and places of the first fill, then of grains that are added */
     exp_saved *saved;          /* of phases */
     exp_passed *passed;        /* of phases; their names aside */
     double **points;           /* of regions: the corners of a polygon, as they were last asked for */

@@ -2,7 +2,7 @@
 #ifndef STATICS_BONDS_H
 #define STATICS_BONDS_H
 
-#include "core/sparse.h"
+#include "sparse/sparse.h"
 #include "statics/equilibrium.h"
 
 /* Disks, and all pairs of them whose distance is below reach (r_a + r_b), sorted by (a, b). */

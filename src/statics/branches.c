@@ -231,8 +231,7 @@ static rp_status set_wells(statics_pile *pile, double part)
 static rp_status kick(statics_pile *pile)
 {
     const int steps = pile->def.leave ? kicks.mixing : kicks.inverse;
-    gsl_rng *rng = rp_random_alloc(pile->def.leave, 0, RP_PURPOSE_DIRECTION);
-    if (!rng) return rp_fail(RP_NO_MEMORY, "random stream: out of memory");
+    rp_random rng = rp_random_of(pile->def.leave, 0, RP_PURPOSE_DIRECTION);
     rp_status status = RP_OK;
     double shift = 1e-6;
     do {
@@ -241,8 +240,7 @@ static rp_status kick(statics_pile *pile)
         pile->result.factored++;
         shift *= 2;
     } while (!status && (pile->pivots.negative || !(pile->pivots.smallest > 0)));
-    for (size_t i = 0; i < 2 * pile->n; i++) pile->p[i] = gsl_rng_uniform(rng) - 0.5;
-    gsl_rng_free(rng);
+    for (size_t i = 0; i < 2 * pile->n; i++) pile->p[i] = rp_random_uniform(&rng) - 0.5;
     for (int step = 0; !status && step < steps; step++) {
         const double scale = 1 / largest(pile->p, 2 * pile->n);
         for (size_t i = 0; i < 2 * pile->n; i++) pile->p[i] *= scale;

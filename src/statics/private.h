@@ -10,7 +10,7 @@
 
 #include <math.h>
 
-#include "core/sparse.h"
+#include "sparse/sparse.h"
 #include "statics/bonds.h"
 
 /* The search: along the branch of a rising load, stable or not; downhill with a check of the slope, in the

@@ -1,22 +1,35 @@
 /* Tables with provenance; see table.h. */
 #include "table/table.h"
 
+#include <gsl/gsl_version.h>
+#include <libconfig.h>
 #include <math.h>
+#include <sqlite3.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <suitesparse/cholmod.h>
+#include <xxhash.h>
 
 #include "core/file.h"
 #include "core/version.h"
 #include "params/guess.h"
 #include "params/params.h"
 
+#define TEXT_(x)  #x
+#define TEXT(x)   TEXT_(x)
+#define LIBCONFIG TEXT(LIBCONFIG_VER_MAJOR) "." TEXT(LIBCONFIG_VER_MINOR)
+#define CHOLMOD   TEXT(CHOLMOD_MAIN_VERSION) "." TEXT(CHOLMOD_SUB_VERSION) "." TEXT(CHOLMOD_SUBSUB_VERSION)
+#define XXHASH    TEXT(XXH_VERSION_MAJOR) "." TEXT(XXH_VERSION_MINOR) "." TEXT(XXH_VERSION_RELEASE)
+
 void rp_table_provenance(FILE *out, rp_units units, const char *command)
 {
     rp_table_note(out, "program", "repose %s, commit %s, model %d", RP_VERSION, rp_build_commit,
                   RP_MODEL_VERSION);
     rp_table_note(out, "compiler", "%s", rp_build_compiler);
-    rp_table_note(out, "libraries", "%s", rp_build_libraries);
+    rp_table_note(out, "libraries",
+                  "GSL " GSL_VERSION ", libconfig " LIBCONFIG ", SQLite " SQLITE_VERSION ", CHOLMOD " CHOLMOD
+                  ", xxHash " XXHASH ", Random123 philox4x32-10");
     if (command) rp_table_note(out, "command", "%s", command);
     if (units != RP_CGS) rp_table_note(out, "system", "%s", rp_units_word(units));
 }

@@ -76,16 +76,14 @@ void sweep_outline_free(sweep_outline *h)
 rp_status sweep_outline_disorder(sweep_outline *h, double S, unsigned long seed, unsigned long run)
 {
     const double CUT = 3;
-    gsl_rng *radii = rp_random_alloc(seed, run, RP_PURPOSE_RADII);
-    if (!radii) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
+    rp_random radii = rp_random_of(seed, run, RP_PURPOSE_RADII);
     for (size_t i = 0; i < h->n; i++) {
         statics_disk *p = &h->disks[i];
         if (p->y <= p->r) continue; /* on the ground */
-        const double size = 1 + S * rp_random_cut_normal(radii, 0, 1, -CUT, CUT);
+        const double size = 1 + S * rp_random_cut_normal(&radii, 0, 1, -CUT, CUT);
         p->r = size / 2;
         p->weight = size * size;
     }
-    gsl_rng_free(radii);
     return RP_OK;
 }
 

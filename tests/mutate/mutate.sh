@@ -20,10 +20,10 @@ times=/dev/null # of the suites
 flags='-O1 -Werror=format -Werror=int-conversion -Werror=incompatible-pointer-types -Werror=discarded-qualifiers'
 tab='	'
 
-files='analytic/*.c src/angle/*.c src/core/sparse.c src/core/elementary.c src/statics/*.c src/stats/*.c src/stress/*.c
+files='analytic/*.c src/angle/*.c src/sparse/sparse.c src/core/elementary.c src/statics/*.c src/stats/*.c src/stress/*.c
     src/dem/law/law.inl src/dem/law/laws.c src/dem/law/bodies.c src/dem/loops/loops.inl src/dem/loops/width_1.c src/dem/state/motion.inl
-    src/dem/methods/ahead.c src/dem/methods/verlet.c src/dem/methods/gear.c
-    src/dem/methods/implicit.c src/dem/methods/gravity.c src/dem/methods/hard.c src/dem/methods/step.c src/dem/state/slots.c src/dem/state/vec.c
+    src/dem/methods/ahead.c src/dem/methods/verlet.c src/dem/papers/gear.c
+    src/dem/papers/implicit.c src/dem/methods/gravity.c src/dem/papers/hard.c src/dem/methods/step.c src/dem/state/slots.c src/dem/state/vec.c
     src/dem/forces/*.c src/dem/list/removal.c src/dem/observe/*.c src/dem/setup/*.c src/dem/sim.c src/dem/run.c src/dem/change.c
     sweeps/*/*.c src/table/*.c src/params/*.c src/dem/scene/*.c src/experiment/*.c src/experiment/modules/*.c
     report/*.c src/cli/*.c src/cli/commands/*.c src/cli/derive/*.c
@@ -47,7 +47,7 @@ suites_of() {
     src/params/expression.c | src/params/lets.c) echo expression experiment ;;
     figures/*) echo figures ;;
     validation/*) echo helpers contacts rotation property ;;
-    src/core/sparse.c) echo sparse property piles equilibrium midpoint implicit ;;
+    src/sparse/sparse.c) echo sparse property piles equilibrium midpoint implicit ;;
     src/statics/*) echo property piles equilibrium ;;
     src/dem/scene/fill.c | src/dem/scene/radii.c) echo fills scene golden experiment ;;
     src/dem/scene/output.c) echo core tables scene keys evidence sweep cli dem ;;
@@ -72,7 +72,7 @@ suites_of() {
     sweeps/protocols/pile_tables.c) echo tables notes piles cli ;;
     src/stress/dip.c) echo stress piles drop evidence ;;
     src/stress/*) echo stress drop piles columns ;;
-    src/dem/methods/implicit.c) echo midpoint implicit dem units ;;
+    src/dem/papers/implicit.c) echo midpoint implicit dem units ;;
     src/dem/methods/ahead.c | src/dem/methods/verlet.c) echo units dem removal threads motion rotation soft hard laws walls golden ;;
     src/dem/observe/ledger.c) echo units ledger walls ;;
     src/dem/observe/observe.c | src/dem/forces/contact.c) echo units soft rotation motion stress scene golden dem ;;

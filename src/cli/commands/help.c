@@ -102,10 +102,8 @@ static void put_command(cli_call call, const cli_command *c)
     put_lines(out, c->about);
     for (const rp_param *p = call.options; p->name; p++)
         put_item(out, strlen(p->name) == 1 ? "\\-" : "\\-\\-", p->name, cli_option_text(call.arena, p));
-    if (c->refuses) {
-        fputs("Refuses: ", out);
-        put_lines(out, c->refuses);
-    }
+    fputs("Refuses: ", out);
+    put_lines(out, c->refuses);
     fprintf(out, "Example:\n\n    %s\n\n", c->example);
 }
 

@@ -71,7 +71,7 @@ static rp_status compare_table(cli_call *call, rp_table *table, const void *valu
                                c == 1 ? "theta_r3_deg" : "theta_t_displacement_deg", piles.column[c][i]);
         piles.column[1][i] *= deg, piles.column[2][i] *= deg;
     }
-    gsl_rng *rng = rp_random_in(call->arena, (unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
+    rp_random *rng = rp_random_in(call->arena, (unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
     cli_table(call, call->out);
     rp_table_note(call->out, "rows", "%zu used, %zu left out", piles.n, table->n_rows - piles.n);
     print_compare_header(call);

@@ -1,4 +1,4 @@
-/* What the methods share: parts of a step, hard collisions, grains that run ahead; gravity. */
+/* What the methods share: parts of a step, grains that run ahead; gravity. */
 #ifndef DEM_METHODS_H
 #define DEM_METHODS_H
 
@@ -20,14 +20,6 @@ rp_status dem_check_overlaps(dem_sim *sim, dem_stretch pairs, dem_stretch grains
 /* Gravity and its turn are the definition's; turn gravity by a step's angle if it turns now; gravity.c. */
 void dem_gravity_start(dem_sim *sim);
 void dem_gravity_advance(dem_sim *sim);
-
-/* ---- Hard collisions of bodies.h; hard.c. Bodies that would touch in the coming step collide at the moment
- * of touch if they close fast; otherwise a soft contact forms. ---- */
-
-/* Hard collisions of the coming step, before it; then that step. *left as of dem_step_lists. Errors:
- * RP_BROKEN, RP_NO_MEMORY. */
-rp_status dem_hard_apply(dem_sim *sim);
-void dem_hard_move(dem_sim *sim, unsigned *left);
 
 /* ---- Steps in which grains may run ahead; ahead.c. In a pile larger than the cache, grains go on to the
  * next step while they are in it, before the forces on all the others are there. In threads, each moves its

@@ -10,10 +10,10 @@
 static rp_status step(dem_sim *sim, bool last)
 {
     unsigned left = 0;
-    if (sim->def.hard.on) RP_TRY(dem_hard_apply(sim));
+    if (sim->hard) RP_TRY(sim->hard->collide(sim));
     dem_walls_move(sim);
-    if (sim->def.hard.on)
-        dem_hard_move(sim, &left);
+    if (sim->hard)
+        sim->hard->move(sim, &left);
     else
         RP_TRY(dem_ahead_move(sim, &left));
     RP_TRY(dem_step_lists(sim, left));

@@ -147,7 +147,7 @@ static rp_status no_room(const dem_fill *f, long i, double r)
                    i + 1, f->N, r, f->W, f->H, f->n_walls ? " on the inner side of the walls" : "", i);
 }
 
-static rp_status place_all(const dem_fill *f, const space *s, cells *c, gsl_rng *places, dem_grain *grains)
+static rp_status place_all(const dem_fill *f, const space *s, cells *c, rp_random *places, dem_grain *grains)
 {
     dem_grain *const all = grains - f->n_there;
     put_there(c, f, all);
@@ -157,8 +157,8 @@ static rp_status place_all(const dem_fill *f, const space *s, cells *c, gsl_rng 
         long tries = 0;
         do {
             if (tries++ == MAX_TRIES || 2.0 * r > f->W || 2.0 * r > f->H) return no_room(f, i, r);
-            x = r + (f->W - 2.0 * r) * gsl_rng_uniform(places);
-            y = r + (f->H - 2.0 * r) * gsl_rng_uniform(places);
+            x = r + (f->W - 2.0 * r) * rp_random_uniform(places);
+            y = r + (f->H - 2.0 * r) * rp_random_uniform(places);
         } while (!is_free(c, all, f, (place){x, y, r}) || !is_inside(f, s, (place){x, y, r}));
         grains[i] = grain_of(f, f->x0 + x, f->y0 + y, r);
         put_in_cell(c, x, y, (long)f->n_there + i);
@@ -167,7 +167,7 @@ static rp_status place_all(const dem_fill *f, const space *s, cells *c, gsl_rng 
 }
 
 /* A stream of this fill: its own, which ends with the memory, or one that goes on when it is filled. */
-static gsl_rng *stream_of(const dem_fill *f, rp_purpose purpose, rp_arena *memory)
+static rp_random *stream_of(const dem_fill *f, rp_purpose purpose, rp_arena *memory)
 {
     const bool places = purpose == RP_PURPOSE_PLACES;
     const long of = f->number == 0 ? purpose : RP_PURPOSE_FILLS + 2 * (f->number - 1) + places;
@@ -179,7 +179,7 @@ static gsl_rng *stream_of(const dem_fill *f, rp_purpose purpose, rp_arena *memor
 rp_status dem_fill_place(const dem_fill *fill, dem_grain *grains)
 {
     RP_SCOPE(memory);
-    gsl_rng *const places = stream_of(fill, RP_PURPOSE_PLACES, &memory);
+    rp_random *const places = stream_of(fill, RP_PURPOSE_PLACES, &memory);
     space s;
     double r_max = 0.0, r_min = INFINITY;
     for (long i = 0; i < fill->N; i++) r_max = fmax(r_max, grains[i].r), r_min = fmin(r_min, grains[i].r);
@@ -199,7 +199,7 @@ rp_status dem_fill_place(const dem_fill *fill, dem_grain *grains)
 
 /* From left to right, each on y0 and touching the last, or a larger one before: (r + r')^2 = dx^2 +
  * (r - r')^2. */
-static size_t place_row(const dem_fill *f, gsl_rng *radii, size_t most, dem_grain *grains)
+static size_t place_row(const dem_fill *f, rp_random *radii, size_t most, dem_grain *grains)
 {
     double r = dem_radius_draw(f, radii), x = r;
     size_t n = 0;
@@ -217,7 +217,7 @@ static size_t place_row(const dem_fill *f, gsl_rng *radii, size_t most, dem_grai
 }
 
 /* Rows of places that the largest grain has room in, each row moved by half a place against the last. */
-static size_t place_lattice(const dem_fill *f, gsl_rng *radii, size_t most, dem_grain *grains)
+static size_t place_lattice(const dem_fill *f, rp_random *radii, size_t most, dem_grain *grains)
 {
     const double widest = f->spacing > 0.0 ? 0.5 * f->spacing : dem_radius_most(f);
     size_t n = 0;
@@ -248,7 +248,7 @@ size_t dem_fill_most(const dem_fill *f)
                         2.0 * DEM_MOST_GRAINS);
 }
 
-static rp_status place_rows(const dem_fill *f, gsl_rng *radii, dem_grain *grains, size_t *n)
+static rp_status place_rows(const dem_fill *f, rp_random *radii, dem_grain *grains, size_t *n)
 {
     const size_t most = dem_fill_most(f);
     const double overlap = f->spacing > 0.0 ? DEM_SPACING_OVERLAP : 1e-9;
@@ -297,7 +297,7 @@ rp_status dem_fill_grains(const dem_fill *f, dem_grain *grains, size_t *n)
                        "fill: radius_mean = %g, radius_width = %g: must be finite, above 0 and at least 0",
                        f->radius_mean, f->radius_width);
     RP_TRY(rp_prefix(dem_radii_check(f), "fill: "));
-    gsl_rng *const radii = stream_of(f, RP_PURPOSE_RADII, &memory);
+    rp_random *const radii = stream_of(f, RP_PURPOSE_RADII, &memory);
     if (!radii) return RP_NO_MEMORY;
     *n = (size_t)f->N;
     if (f->pattern != DEM_PATTERN_RANDOM) return place_rows(f, radii, grains, n);

@@ -54,18 +54,18 @@ double dem_radius_mean(const dem_fill *f)
 }
 
 /* A radius by the law's shares as they are. */
-static double draw_share(const dem_fill *f, gsl_rng *r, double lo, double hi)
+static double draw_share(const dem_fill *f, rp_random *r, double lo, double hi)
 {
     double mean, width, shares = 0.0;
     switch (f->law) {
     case DEM_RADII_GAUSS: break;
-    case DEM_RADII_UNIFORM: return lo + (hi - lo) * gsl_rng_uniform(r);
+    case DEM_RADII_UNIFORM: return lo + (hi - lo) * rp_random_uniform(r);
     case DEM_RADII_LOGNORMAL:
         logarithmic(f, &mean, &width);
         return fmin(fmax(rp_exp(rp_random_cut_normal(r, mean, width, rp_log(lo), rp_log(hi))), lo), hi);
     case DEM_RADII_TABLE:
         for (size_t k = 0; k < f->n_radii; k++) shares += f->radii[2 * k + 1];
-        shares *= gsl_rng_uniform(r);
+        shares *= rp_random_uniform(r);
         for (size_t k = 0; k + 1 < f->n_radii; k++)
             if ((shares -= f->radii[2 * k + 1]) < 0.0) return f->radii[2 * k];
         return f->radii[2 * f->n_radii - 2];
@@ -73,7 +73,7 @@ static double draw_share(const dem_fill *f, gsl_rng *r, double lo, double hi)
     return rp_random_cut_normal(r, f->radius_mean, f->radius_width, lo, hi);
 }
 
-double dem_radius_draw(const dem_fill *f, gsl_rng *r)
+double dem_radius_draw(const dem_fill *f, rp_random *r)
 {
     double lo, hi;
     ends(f, &lo, &hi);
@@ -83,7 +83,8 @@ double dem_radius_draw(const dem_fill *f, gsl_rng *r)
         if (f->by == DEM_BY_NUMBER) return radius;
         /* of a share of the area, one of grains is less by r^2 */
         const double part = lo / radius;
-        if (gsl_rng_uniform(r) < part * part * (f->by == DEM_BY_MASS && f->shape == DEM_SPHERE ? part : 1.0))
+        if (rp_random_uniform(r) <
+            part * part * (f->by == DEM_BY_MASS && f->shape == DEM_SPHERE ? part : 1.0))
             return radius;
     }
 }

@@ -2,8 +2,7 @@
 #ifndef DEM_RADII_H
 #define DEM_RADII_H
 
-#include <gsl/gsl_rng.h>
-
+#include "core/random.h"
 #include "dem/dem.h"
 
 /* Grains of a spacing of their own may overlap by this part of their radii: of a lattice whose sizes scatter.
@@ -11,7 +10,7 @@
 #define DEM_SPACING_OVERLAP 0.1
 
 /* One radius, between radius_min and radius_max where those cut the law; of a table one of its radii. */
-double dem_radius_draw(const dem_fill *fill, gsl_rng *radii);
+double dem_radius_draw(const dem_fill *fill, rp_random *radii);
 
 /* Of the mean grain, by the law's own shares and before the cut. */
 double dem_radius_mean(const dem_fill *fill);

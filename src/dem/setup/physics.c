@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "dem/setup/definition.h"
+#include "dem/state/method.h"
 
 static const rp_param schema[] = {
 #define ROW(...) DEM_NAME_ROW(dem_physics, , __VA_ARGS__)
@@ -72,7 +73,8 @@ bool dem_words_known(const dem_definition *def)
 #define KNOWN(kind, type, name, key, unit, fallback, range, ...)                                             \
     DEM_IF_SCENE(kind, known &= KNOWN_##type(def->name, range);)
     DEM_PHYSICS(KNOWN)
-    return known;
+    return known && dem_schemes[def->integrator] && rp_keep_bool(&def->hard.on) &&
+           (!def->hard.on || dem_hard_collisions);
 }
 
 #define AUTO(kind, type, name, ...) DEM_IF_MATERIAL(kind, .name = -1.0, )

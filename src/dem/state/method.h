@@ -71,7 +71,20 @@ typedef struct dem_scheme {
 #define X(id, word, manual, scheme) extern const dem_scheme scheme;
 DEM_INTEGRATOR_LIST(X)
 #undef X
+
+/* Hard collisions of bodies.h. Bodies that would touch in the coming step collide at the moment of touch if
+ * they close fast; otherwise a soft contact forms. */
+typedef struct {
+    /* Collisions of the coming step, before it; then that step. *left as of dem_step_lists. Errors:
+     * RP_BROKEN, RP_NO_MEMORY. */
+    rp_status (*collide)(dem_sim *sim);
+    void (*move)(dem_sim *sim, unsigned *left);
+} dem_collisions;
+extern const dem_collisions dem_collisions_hard;
+
+/* What the program has of both; NULL for what it is built without: papers/methods.c, alone/methods.c. */
 extern const dem_scheme *const dem_schemes[DEM_INTEGRATORS];
+extern const dem_collisions *const dem_hard_collisions;
 
 /* Limit of schemes that damp by velocities of the half step, which need 4 - 6 gamma dt - 3 omega^2 dt^2 > 0:
  * a part of that root. */

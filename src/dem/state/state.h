@@ -27,12 +27,13 @@ struct dem_sim {
 
     dem_definition def; /* its `grains` is NULL */
 
-    const dem_scheme *scheme; /* the integrator */
-    void *work;               /* its own; NULL where it has none */
-    bool ahead;               /* Verlet: grains are already where the step to come takes them */
-    unsigned ahead_left;      /* as of dem_step_lists */
-    size_t threads;           /* to run with; 0: one */
-    struct dem_team *team;    /* NULL without threads */
+    const dem_scheme *scheme;   /* the integrator */
+    const dem_collisions *hard; /* NULL without */
+    void *work;                 /* its own; NULL where it has none */
+    bool ahead;                 /* Verlet: grains are already where the step to come takes them */
+    unsigned ahead_left;        /* as of dem_step_lists */
+    size_t threads;             /* to run with; 0: one */
+    struct dem_team *team;      /* NULL without threads */
 
     /* neighbour list */
     struct {

@@ -22,7 +22,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/sparse.h"
+#include "sparse/sparse.h"
 #include "dem/observe/observe.h"
 #include "dem/forces/forces.h"
 #include "dem/list/list.h"

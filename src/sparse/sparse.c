@@ -2,7 +2,7 @@
  *
  * The lower triangle is kept by columns. Columns 2a and 2a + 1 hold disk a's own block, then the blocks of
  * its bonds in their order, so that the index of every entry follows from its bond. */
-#include "core/sparse.h"
+#include "sparse/sparse.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* The list of the integrators. */
+/* All methods. */
 #include "dem/state/method.h"
 
 const dem_scheme *const dem_schemes[DEM_INTEGRATORS] = {
@@ -6,3 +6,5 @@ const dem_scheme *const dem_schemes[DEM_INTEGRATORS] = {
     DEM_INTEGRATOR_LIST(X)
 #undef X
 };
+
+const dem_collisions *const dem_hard_collisions = &dem_collisions_hard;

@@ -1,6 +1,4 @@
-/* Hard collisions of a run; see methods.h. */
-#include "dem/methods/methods.h"
-
+/* Hard collisions of a run; see method.h. */
 #include <math.h>
 #include <string.h>
 
@@ -187,7 +185,7 @@ static size_t predict_all(dem_sim *sim)
 }
 
 /* A collision may send a grain into the next: a few rounds; pairs that still approach then touch softly. */
-rp_status dem_hard_apply(dem_sim *sim)
+static rp_status collide_in_step(dem_sim *sim)
 {
     enum { ROUNDS = 8 };
     size_t beyond = predict_all(sim);
@@ -211,7 +209,7 @@ rp_status dem_hard_apply(dem_sim *sim)
 }
 
 /* Margins of grains without a collision were checked before. */
-void dem_hard_move(dem_sim *sim, unsigned *left)
+static void move(dem_sim *sim, unsigned *left)
 {
     dem_motion *const grain = sim->grains.motion;
     double *const omega = sim->grains.omega, *const angle = sim->grains.angle;
@@ -233,3 +231,5 @@ void dem_hard_move(dem_sim *sim, unsigned *left)
     memset(forces.at, 0, sim->grains.n * forces.size);
     sim->count.grain_steps += (double)sim->grains.n;
 }
+
+const dem_collisions dem_collisions_hard = {.collide = collide_in_step, .move = move};
