@@ -496,19 +496,41 @@ static void table_append_columns(void)
 
 /* Which of the rows 1, 2, 3, word, nan and 20 a condition keeps, as a number of their digits. Numbers are
  * compared as numbers, words as words; nan is equal to nan alone. FROM:TO is a range; smallest and largest
- * are one row. A note has exactly its key. */
+ * are one row. An expression holds for no row with a word or nan. A note has exactly its key. */
 static void table_conditions(void)
 {
-    static const char *const cases[][2] = {
-        {"x=2", "b"},         {"x=2.0", "b"},          {"x!=2", "acdef"},
-        {"x<2", "a"},         {"x<=2", "ab"},          {"x>2", "cf"},
-        {"x>=2", "bcf"},      {"x>=3", "cf"},          {"x=word", "d"},
-        {"x!=word", "abcef"}, {"x=nan", "e"},          {"x!=nan", "abcdf"},
-        {"x<20", "abc"},      {"x<=20", "abcf"},       {"x>20", ""},
-        {"x>=20", "f"},       {"x=2e1", "f"},          {"y=c", "c"},
-        {"x<inf", "abcf"},    {"x=inf", ""},           {"x=1:3", "abc"},
-        {"x=3:inf", "cf"},    {"x=2.00000000001", ""}, {"x=2.0000000000000001", "b"},
-        {"x=smallest", "a"},  {"x=largest", "f"},      {"x!=1:3", "def"}};
+    static const char *const cases[][2] = {{"x=2", "b"},
+                                           {"x=2.0", "b"},
+                                           {"x!=2", "acdef"},
+                                           {"x<2", "a"},
+                                           {"x<=2", "ab"},
+                                           {"x>2", "cf"},
+                                           {"x>=2", "bcf"},
+                                           {"x>=3", "cf"},
+                                           {"x=word", "d"},
+                                           {"x!=word", "abcef"},
+                                           {"x=nan", "e"},
+                                           {"x!=nan", "abcdf"},
+                                           {"x<20", "abc"},
+                                           {"x<=20", "abcf"},
+                                           {"x>20", ""},
+                                           {"x>=20", "f"},
+                                           {"x=2e1", "f"},
+                                           {"y=c", "c"},
+                                           {"x<inf", "abcf"},
+                                           {"x=inf", ""},
+                                           {"x=1:3", "abc"},
+                                           {"x=3:inf", "cf"},
+                                           {"x=2.00000000001", ""},
+                                           {"x=2.0000000000000001", "b"},
+                                           {"x=smallest", "a"},
+                                           {"x=largest", "f"},
+                                           {"x!=1:3", "def"},
+                                           {"x > 1 and x <= 3", "bc"},
+                                           {"x == 2 or x == 20", "bf"},
+                                           {"not x < 2*1.5", "cf"},
+                                           {"x+1 == 3", "b"},
+                                           {"y < 2", ""}};
     RP_ENDS(rp_table_free) rp_table t = {0};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char kept[8] = "";
@@ -525,6 +547,11 @@ static void table_conditions(void)
         CU_ASSERT(note && strcmp(note, "8 degrees") == 0);
         CU_ASSERT(rp_table_find_note(&t, "m") == NULL && rp_table_find_note(&t, "mu_") == NULL);
     }
+    /* a column that is no name may stand first */
+    CHECK_OK(read_as("x/W\tW\n0.25\t4\n0.75\t5\n", &t));
+    CHECK_OK(rp_table_where(&t, "x/W<W/8"));
+    CU_ASSERT_FATAL(t.n_rows == 1);
+    CU_ASSERT_STRING_EQUAL(t.cells[0], "0.25");
     /* a word that begins with a number is a word */
     static const char *const words[][2] = {{"x=5", "a"}, {"x=5x", "b"}, {"x!=5", "b"}, {"x<6", "a"}};
     for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
@@ -533,11 +560,13 @@ static void table_conditions(void)
         CU_ASSERT_FATAL(t.n_rows == 1);
         CU_ASSERT_STRING_EQUAL(t.cells[1], words[i][1]);
     }
-    static const char *const bad[][2] = {{"x", "NAME=VALUE expected"},
-                                         {"=2", "NAME=VALUE expected"},
-                                         {"z=2", "no column \"z\""},
-                                         {"x<word", "\"word\" is not a number"}};
-    for (size_t i = 0; i < 4; i++) CHECK_FAILS(rp_table_where(&t, bad[i][0]), RP_BAD_INPUT, bad[i][1]);
+    static const char *const bad[][2] = {
+        {"x", "NAME=VALUE expected"},      {"=2", "NAME=VALUE expected"},
+        {"z=2", "no column \"z\""},        {"x<word", "unknown name word"},
+        {"z<2", "unknown name z"},         {"x < 2 and y = c", "no sign of an expression"},
+        {"x=2 and x<3", "write == for ="}, {"held(x > 1, 2)", "not of a table"}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        CHECK_FAILS(rp_table_where(&t, bad[i][0]), RP_BAD_INPUT, bad[i][1]);
 }
 
 static void tables(void)

@@ -82,7 +82,7 @@ void cli_table(const cli_call *call, FILE *out);
 /* Options that several commands have. */
 #define CLI_WHERE(X)                                                                                         \
     X(TEXTS, where, "", "", "",                                                                              \
-      "use only rows with NAME=VALUE, or != < <= > >=; several conditions must all hold")
+      "rows with NAME=VALUE, NAME!=VALUE, or an expression as x > 1 and y <= 2*x; several must all hold")
 #define CLI_BY(X, fallback, what)                                                                            \
     X(TEXT, by, "", fallback, "", "columns (a or a,b,...) whose different cells make the " what)
 #define CLI_RANGE(X, what)                                                                                   \
@@ -125,22 +125,25 @@ typedef struct cli_removed {
     const char *name, *instead;
 } cli_removed;
 
-/* Is a command, or its option (NULL: none), an older one? Errors: RP_USAGE, with what to use instead. */
+/* Is a command, or its option (NULL: none), an older one? Errors: RP_USAGE, with what to use instead.
+ */
 rp_status cli_check_removed(const cli_program *program, const char *command, const char *option);
 
-/* The options of a command as they are typed, with their defaults, in call->options and call->values. */
+/* The options of a command as they are typed, with their defaults, in call->options and call->values.
+ */
 void cli_options_of(cli_call *call, const cli_command *command);
 
-/* Parse argv[1..] into the call's options and arguments. Boolean options take no value. *helped: --help was
- * asked for and printed. Errors: RP_USAGE (unknown option, missing value, required option or argument),
- * RP_BAD_INPUT (a value). */
+/* Parse argv[1..] into the call's options and arguments. Boolean options take no value. *helped: --help
+ * was asked for and printed. Errors: RP_USAGE (unknown option, missing value, required option or
+ * argument), RP_BAD_INPUT (a value). */
 rp_status cli_parse(cli_call *call, const cli_command *command, int argc, char **argv, bool *helped);
 
 /* Parse argv[1..] and act. --help prints its text. Errors: those of cli_parse, RP_USAGE for an unknown
  * subcommand, and the action's own. */
 rp_status cli_run(cli_call *call, const cli_command *command, int argc, char **argv);
 
-/* Act, what the command prints going to `out`; `table` in place of the arguments' tables, NULL: these. */
+/* Act, what the command prints going to `out`; `table` in place of the arguments' tables, NULL: these.
+ */
 rp_status cli_act_into(cli_call *call, rp_table *table, FILE *out);
 
 /* The header of a call's table has the lines `source` of the table that it is made of. */
@@ -149,7 +152,8 @@ void cli_sources(cli_call *call, const rp_table *table);
 /* The one of these commands whose own name is `word`; NULL: none. */
 const cli_command *cli_find(const cli_command *const *among, const char *word);
 
-/* The error of a word that is no command of the group, or for NULL of the program, with the nearest one. */
+/* The error of a word that is no command of the group, or for NULL of the program, with the nearest
+ * one. */
 rp_status cli_unknown_command(const cli_program *program, const char *word, const cli_command *group);
 
 /* What --help of a group prints, or for NULL that of the program. */
@@ -161,8 +165,8 @@ int cli_main(const cli_program *program, int argc, char **argv);
 /* The program `repose`. */
 extern const cli_program cli_repose;
 
-/* The text of an option in help, meaning, unit, range and default. What stands before its name: one dash
- * before a letter, else two. The last word of a command's name, the one to type. */
+/* The text of an option in help, meaning, unit, range and default. What stands before its name: one
+ * dash before a letter, else two. The last word of a command's name, the one to type. */
 const char *cli_option_text(rp_arena *arena, const rp_param *option);
 const char *cli_dashes(const rp_param *option);
 const char *cli_own_name(const cli_command *command);

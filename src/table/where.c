@@ -2,23 +2,26 @@
 #include "table/where.h"
 
 #include "core/arena.h"
+#include "params/expression.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 rp_status rp_condition_read(const char *text, rp_condition *c)
 {
-    double number;
     const size_t length = strcspn(text, "<>=!"), n = strspn(text + length, "<>=!");
+    const bool cell =
+        strncmp(text + length, "!=", 2) == 0 || (text[length] == '=' && text[length + 1] != '=');
+    *c = (rp_condition){.differs = text[length] == '!', .text = text};
     snprintf(c->column, sizeof c->column, "%.*s", (int)length, text);
-    snprintf(c->op, sizeof c->op, "%.*s", (int)(n > 1 && text[length + 1] == '=' ? 2 : 1), text + length);
-    c->value = text + length + strlen(c->op);
-    if (length == 0 || length >= sizeof c->column || !*c->op || strcmp(c->op, "!") == 0 ||
-        strcmp(c->op, "==") == 0)
+    if (length == 0 || length >= sizeof c->column || n == 0)
         return rp_fail(RP_BAD_INPUT, "condition \"%s\": NAME=VALUE expected, or != < <= > >=", text);
-    if (strchr("<>", *c->op) && !rp_text_number(c->value, &number))
-        return rp_fail(RP_BAD_INPUT, "condition \"%s\": \"%s\" is not a number", text, c->value);
+    if (cell) c->value = text + length + (c->differs ? 2 : 1);
+    if (cell && strpbrk(c->value, "<>=!"))
+        return rp_fail(RP_BAD_INPUT, "condition \"%s\": several comparisons: write == for = in all of them",
+                       text);
     return RP_OK;
 }
 
@@ -34,16 +37,6 @@ static bool is_equal(const char *cell, const char *value)
     return !*end && *value && (near || a == b || (isnan(a) && isnan(b)));
 }
 
-static bool meets(const char *cell, const rp_condition *c)
-{
-    double a, b;
-    const bool equal = is_equal(cell, c->value);
-    if (*c->op == '=') return equal;
-    if (*c->op == '!') return !equal;
-    if (!rp_text_number(cell, &a) || !rp_text_number(c->value, &b)) return false;
-    return (c->op[1] && equal) || (*c->op == '<' ? a < b : a > b);
-}
-
 /* The row with the smallest or the largest number of a column, the first of equal ones; n_rows: none. */
 static size_t extreme_row(const rp_table *t, int column, bool largest)
 {
@@ -56,17 +49,84 @@ static size_t extreme_row(const rp_table *t, int column, bool largest)
     return found;
 }
 
+static rp_status mark_cells(const rp_table *t, const rp_condition *c, bool rows[])
+{
+    int column;
+    RP_TRY(rp_table_find(t, c->column, NULL, &column));
+    const bool largest = strcmp(c->value, "largest") == 0,
+               one = !c->differs && (largest || strcmp(c->value, "smallest") == 0);
+    const size_t extreme = one ? extreme_row(t, column, largest) : 0;
+    for (size_t row = 0; row < t->n_rows; row++)
+        rows[row] &= one ? row == extreme : is_equal(rp_cell(t, row, column), c->value) != c->differs;
+    return RP_OK;
+}
+
+/* ---- expressions ---- */
+
+/* Columns are names. One before the first sign that is no name, as x/W, is called "column". */
+typedef struct {
+    const rp_table *table;
+    int first; /* -1: none is called so */
+    size_t row;
+} row_of;
+
+static const char FIRST[] = "column";
+
+static rp_status find_column(void *host, const char *name, int n_args, rp_x_symbol *symbol, bool *known)
+{
+    const row_of *c = host;
+    const int column = c->first >= 0 && strcmp(name, FIRST) == 0 ? c->first : rp_table_column(c->table, name);
+    *known = n_args < 0 && column >= 0;
+    if (*known) *symbol = (rp_x_symbol){.type = RP_X_NUMBER, .key = c->table->names[column], .id = column};
+    return RP_OK;
+}
+
+static void list_columns(void *host, rp_guess *guess)
+{
+    const rp_table *t = ((row_of *)host)->table;
+    for (size_t k = 0; k < t->n_columns; k++)
+        if (t->names[k]) rp_guess_try(guess, t->names[k]);
+}
+
+static double load_cell(void *host, int column, const double args[])
+{
+    const row_of *c = host;
+    double value;
+    (void)args;
+    return rp_text_number(rp_cell(c->table, c->row, column), &value) ? value : NAN;
+}
+
+static bool is_name(const char *text)
+{
+    if (!isalpha((unsigned char)*text)) return false;
+    while (isalnum((unsigned char)*text) || *text == '_' || *text == '.') text++;
+    return !*text;
+}
+
+static rp_status mark_expression(const rp_table *t, const rp_condition *c, bool rows[])
+{
+    RP_SCOPE(arena);
+    row_of of = {.table = t, .first = rp_table_column(t, c->column)};
+    if (is_name(c->column)) of.first = -1;
+    const rp_x_names names = {.host = &of, .find = find_column, .list = list_columns};
+    const rp_x_values values = {&of, load_cell};
+    rp_expression e;
+    const char *text = of.first < 0 ? c->text : rp_text(&arena, "%s%s", FIRST, c->text + strlen(c->column));
+    if (!text) return RP_NO_MEMORY;
+    RP_TRY(rp_prefix(rp_expression_read_as(&arena, text, RP_X_TRUTH, &names, &e),
+                     "condition \"%s\": ", c->text));
+    double states[2] = {0.0};
+    if (e.n_states > 0)
+        return rp_fail(RP_BAD_INPUT, "condition \"%s\": held and change: not of a table's rows", c->text);
+    for (of.row = 0; of.row < t->n_rows; of.row++)
+        rows[of.row] &= rp_expression_value(&e, &values, states) == 1.0;
+    return RP_OK;
+}
+
 rp_status rp_conditions_mark(const rp_table *t, size_t n, const rp_condition conditions[], bool rows[])
 {
-    for (const rp_condition *c = conditions; c < conditions + n; c++) {
-        int column;
-        RP_TRY(rp_table_find(t, c->column, NULL, &column));
-        const bool largest = strcmp(c->value, "largest") == 0,
-                   one = largest || strcmp(c->value, "smallest") == 0;
-        const size_t extreme = one && *c->op == '=' ? extreme_row(t, column, largest) : 0;
-        for (size_t row = 0; row < t->n_rows; row++)
-            rows[row] &= one && *c->op == '=' ? row == extreme : meets(rp_cell(t, row, column), c);
-    }
+    for (const rp_condition *c = conditions; c < conditions + n; c++)
+        RP_TRY(c->value ? mark_cells(t, c, rows) : mark_expression(t, c, rows));
     return RP_OK;
 }
 
