@@ -58,9 +58,17 @@ $(B)/commit: FORCE
 	@mkdir -p $(@D); c=$$(grep -v Format .commit 2>/dev/null || git describe --always 2>/dev/null || echo unknown); \
 	[ ! -e .git ] || git diff --quiet HEAD -- . ':!results' || c=$$c-dirty; \
 	[ "$$c" = "$$(cat $@ 2>/dev/null)" ] || echo "$$c" > $@
-$(B)/obj/src/core/version.o: $(B)/commit
+# So are the sources of the physics, with those that hold defaults of scenes and phases: their text without comments and
+# blanks makes the model of a store.
+PHYSICS := $(sort $(wildcard $(foreach d,$(filter-out src/dem/scene,$(call rooms,dem)) src/experiment/modules src/angle src/statics \
+           sweeps/protocols,$(d)/*.[ch] $(d)/*.inl)) src/stats/series.c \
+           $(shell grep -lE '^(static )?const rp_param [a-z_]+\[\] = ' src/dem/scene/*.c src/experiment/*.c))
+$(B)/sources: FORCE
+	@mkdir -p $(@D); h=$$(cat $(PHYSICS) | LC_ALL=C sed -zE 's:/\*([^*]|\*+[^*/])*\*+/::g; s/[[:space:]]+//g' | sha256sum | head -c 16); \
+	[ "$$h" = "$$(cat $@ 2>/dev/null)" ] || echo $$h > $@
+$(B)/obj/src/core/version.o: $(B)/commit $(B)/sources
 $(B)/obj/src/core/version.o: CPPFLAGS += '-DRP_COMMIT="$(shell cat $(B)/commit 2>/dev/null)"' \
-	'-DRP_FLAGS="$(filter -std=% -O% -f% -m%,$(CFLAGS))"'
+	'-DRP_SOURCES="$(shell cat $(B)/sources 2>/dev/null)"' '-DRP_FLAGS="$(filter -std=% -O% -f% -m%,$(CFLAGS))"'
 
 .SECONDEXPANSION:
 $(B)/libframe.a: $(FRAME)

@@ -37,7 +37,6 @@ void cli_print_counts(const sweep_counts *counts)
     rp_table_note(stdout, "planned", "%zu", counts->planned);
     rp_table_note(stdout, "stored", "%zu", counts->stored);
     rp_table_note(stdout, "missing", "%zu", counts->planned - counts->stored);
-    if (*counts->skipped) rp_table_note(stdout, "left out, no stores yet", "%s", counts->skipped);
     if (sweep_count_aborted(counts) > 0)
         rp_table_note(stdout, "aborted", "%zu, to be tried again", sweep_count_aborted(counts));
     rp_table_columns(stdout, 2, (const char *const[][2]){{"status", ""}, {"runs", ""}});

@@ -1,5 +1,9 @@
-/* Provenance of this build. RP_COMMIT and RP_FLAGS come from the Makefile. */
+/* Provenance of this build. RP_COMMIT, RP_SOURCES and RP_FLAGS come from the Makefile. */
 #include "core/version.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
 
 /* gcc 12 fuses some products and sums even with -ffp-contract=off. Then results have other bits, and the keys
  * of stored runs do not say so; the kernels use wide instructions without these flags. */
@@ -17,6 +21,9 @@
 #ifndef RP_COMMIT
 #define RP_COMMIT "unknown"
 #endif
+#ifndef RP_SOURCES
+#define RP_SOURCES "unknown"
+#endif
 #ifndef RP_FLAGS
 #define RP_FLAGS ""
 #endif
@@ -32,9 +39,17 @@
 #define XXHASH    TEXT(XXH_VERSION_MAJOR) "." TEXT(XXH_VERSION_MINOR) "." TEXT(XXH_VERSION_RELEASE)
 
 const char rp_build_commit[] = RP_COMMIT;
+const char rp_build_sources[] = RP_SOURCES;
 const char rp_build_compiler[] = COMPILER __VERSION__ " " RP_FLAGS;
 const char rp_build_libraries[] = "GSL " GSL_VERSION ", libconfig " LIBCONFIG ", SQLite " SQLITE_VERSION
                                   ", CHOLMOD " CHOLMOD ", xxHash " XXHASH ", Random123 philox4x32-10";
+
+const char *rp_model(char text[32])
+{
+    const bool known = strcmp(rp_build_sources, RP_MODEL_SOURCES) == 0;
+    snprintf(text, 32, "%d%s%s", RP_MODEL_VERSION, known ? "" : " ", known ? "" : rp_build_sources);
+    return text;
+}
 
 /* Arm has fused instructions always, and no macro tells whether the compiler takes them. */
 rp_status rp_build_check(void)

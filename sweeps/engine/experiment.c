@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #include "core/arena.h"
 #include "core/file.h"
@@ -12,7 +11,6 @@
 #include "params/config.h"
 #include "params/units.h"
 #include "sweeps/engine/keep.h"
-#include "sweeps/engine/physics.h"
 #include "table/columns.h"
 
 /* A let's value among the parameters; the first 8 bytes of those are the experiment. */
@@ -81,29 +79,15 @@ static rp_status check(const void *params)
     return status;
 }
 
-static bool hash(const void *params, const sweep_output of[], XXH128_hash_t *digest)
+static bool hash(const void *params, XXH128_hash_t *digest)
 {
-    const char *names[SWEEP_MAX_OUTPUTS];
-    size_t n = 0;
     exp_plan *plan;
-    bool known = plan_of(params, &plan) == RP_OK;
-    if (known && of) {
-        while (of[n].name) names[n] = of[n].name, n++;
-        known = exp_hash(plan, names, n, SIZE_MAX, digest);
-    } else if (known) {
-        char *key = exp_key(plan);
-        known = key != NULL;
-        if (key) *digest = XXH3_128bits(key, strlen(key));
-        free(key);
-    }
+    char *key = plan_of(params, &plan) == RP_OK ? exp_key(plan) : NULL;
+    const bool known = key != NULL;
+    if (known) *digest = XXH3_128bits(key, strlen(key));
     exp_free(plan);
+    free(key);
     return known;
-}
-
-static rp_status fingerprint(char digits[33])
-{
-    memset(digits, '0', 32);
-    return sweep_physics_add(digits);
 }
 
 /* Tables of a traced run that grow with it, and what has been written of the ends of its phases. */
@@ -300,18 +284,13 @@ static rp_status add_let(experiment *e, const rp_let *let)
     return p->fallback && p->range ? RP_OK : RP_NO_MEMORY;
 }
 
-/* A column is told from those that every sweep has, from the columns before it, and from the lets. */
+/* A column is told from those that every sweep has, and from the lets. */
 static rp_status check_output(const experiment *e, const sweep_output outputs[], size_t k)
 {
     const char *name = outputs[k].name, *path = e->text.path;
-    if (sweep_column_is_taken(name, true))
+    if (sweep_column_is_taken(name))
         return rp_fail(RP_BAD_INPUT, "%s: %s is a column that every sweep has; give the measure another name",
                        path, name);
-    for (size_t j = 0; j < k; j++)
-        if (strcasecmp(outputs[j].name, name) == 0)
-            return rp_fail(RP_BAD_INPUT,
-                           "%s: %s and %s differ by capitals alone, which a store does not tell", path,
-                           outputs[j].name, name);
     for (const rp_param *p = e->schema; p->name; p++)
         if (sweep_column_is_statistic(p->name, name))
             return rp_fail(RP_BAD_INPUT,
@@ -377,13 +356,8 @@ rp_status sweep_protocol_open(const sweep_protocol *of, const char *path, const 
     experiment *e = calloc(1, sizeof *e);
     if (!e) return rp_fail(RP_NO_MEMORY, "experiment: out of memory");
     *opened = &e->protocol;
-    e->protocol = (sweep_protocol){.name = of->name,
-                                   .about = of->about,
-                                   .check = check,
-                                   .hash = hash,
-                                   .fingerprint = fingerprint,
-                                   .run = run_one,
-                                   .context = e};
+    e->protocol = (sweep_protocol){
+        .name = of->name, .about = of->about, .check = check, .hash = hash, .run = run_one, .context = e};
     path = path ? rp_text(&e->arena, "%s", path) : rp_text(&e->arena, "protocol %s", of->name);
     if (!path) return RP_NO_MEMORY;
     if (!of->text) RP_TRY(rp_file_read(path, &e->bytes));

@@ -89,13 +89,19 @@ static int length(const config_setting_t *group)
     return group ? config_setting_length(group) : 0;
 }
 
+/* Where the line of a setting begins among the bytes of its file. */
+static const char *line_of(const config_setting_t *setting, const char *text)
+{
+    for (unsigned line = 1; line < config_setting_source_line(setting) && text; line++)
+        text = strchr(text, '\n') ? strchr(text, '\n') + 1 : NULL;
+    return text;
+}
+
 /* The setting's text among the bytes of its file, in quotes, gives way to another. */
 static rp_status rename_text(const config_setting_t *setting, const char *to, char **text)
 {
-    char quoted[4096], *at = *text, *made = NULL;
-    const char *from = config_setting_get_string(setting);
-    for (unsigned line = 1; line < config_setting_source_line(setting) && (at = strchr(at, '\n')); line++)
-        at++;
+    char quoted[4096], *made = NULL;
+    const char *from = config_setting_get_string(setting), *at = line_of(setting, *text);
     snprintf(quoted, sizeof quoted, "\"%.4000s\"", from);
     at = at ? strstr(at, quoted) : NULL;
     if (!at) return rp_config_fail(setting, "experiment: a name in quotes, without \\, on one line expected");
@@ -196,7 +202,7 @@ static rp_status read_axis(sweep_plan *plan, size_t a, const config_setting_t *f
     for (size_t other = 0; other < a; other++)
         if (plan->axes[other].param == axis->param)
             return rp_config_fail(axis->list, "%s: appears twice in the grid; keep one", name);
-    if (plan->protocol->context && sweep_column_is_taken(name, false))
+    if (plan->protocol->context && sweep_column_is_taken(name))
         return rp_config_fail(axis->list, "%s: is a column that every sweep has; give the let another name",
                               name);
     const rp_type type = axis->param->type;
@@ -245,9 +251,17 @@ static void move_to(const sweep_plan *plan, size_t i)
         at->settings = rp_hash_add(at->settings, rp_params_hash_one(axis->param, at->values));
         if (axis->first) rest /= axis->n;
     }
-    XXH128_hash_t hash;
-    at->hash = at->settings;
-    if (plan->protocol->hash && plan->protocol->hash(at->values, NULL, &hash)) at->hash = hash;
+}
+
+/* What stands for a grid point's parameters in keys: the sum of their hashes, of a text all that its numbers
+ * depend on. */
+static const XXH128_hash_t *hash_of(const sweep_plan *plan, size_t point)
+{
+    XXH128_hash_t *hash = &plan->hashes[point];
+    if (hash->low64 || hash->high64) return hash;
+    move_to(plan, point);
+    if (!plan->protocol->hash || !plan->protocol->hash(plan->at->values, hash)) *hash = plan->at->settings;
+    return hash;
 }
 
 bool sweep_plan_is_axis(const sweep_plan *plan, const rp_param *param)
@@ -281,10 +295,7 @@ static rp_status refuse_twins(const sweep_plan *plan, size_t first)
     size_t stride = 1; /* from one value of the bundle to the next, in points */
     for (size_t a = first; a < plan->n_axes; a++)
         if (plan->axes[a].first && a > first) stride *= plan->axes[a].n;
-    for (size_t i = 0; i < axis->n; i++) {
-        move_to(plan, i * stride);
-        entries[i] = (entry){plan->at->hash, i};
-    }
+    for (size_t i = 0; i < axis->n; i++) entries[i] = (entry){*hash_of(plan, i * stride), i};
     qsort(entries, axis->n, sizeof *entries, XXH128_cmp); /* the hash comes first */
     rp_status status = RP_OK;
     char where[256];
@@ -293,28 +304,6 @@ static rp_status refuse_twins(const sweep_plan *plan, size_t first)
             status = rp_config_fail(axis->list, "grid point %s: appears twice in the grid",
                                     sweep_plan_describe(plan, entries[i].i * stride, where, sizeof where));
     free(entries);
-    return status;
-}
-
-/* A store whose plan had other outputs gets their columns when it is planned again. */
-static XXH64_hash_t hash_outputs(const sweep_protocol *protocol)
-{
-    XXH64_hash_t hash = 0;
-    for (const sweep_output *o = protocol->outputs; o->name; o++)
-        hash = XXH3_64bits_withSeed(o->name, strlen(o->name), hash);
-    return hash;
-}
-
-/* What every key holds besides the parameters, so that results of other physics are never reused. */
-static rp_status find_model(sweep_plan *plan)
-{
-    char fingerprint[33] = "";
-    const rp_units units = rp_units_now();
-    rp_units_set(RP_CGS); /* a fingerprint is of the physics, not of the units */
-    rp_status status = plan->protocol->fingerprint ? plan->protocol->fingerprint(fingerprint) : RP_OK;
-    rp_units_set(units);
-    snprintf(plan->model, sizeof plan->model, "%s %d %s", plan->protocol->name, RP_MODEL_VERSION,
-             fingerprint);
     return status;
 }
 
@@ -345,40 +334,6 @@ static void sum_fixed(sweep_plan *plan, const rp_texts *set, const config_settin
     }
 }
 
-/* What is fixed, and of a text all points: it may change for some alone. */
-static void hash_points(sweep_plan *plan)
-{
-    XXH128_hash_t sum[2] = {plan->fixed_hash};
-    for (size_t i = 0; i < plan->n_points && plan->protocol->hash; i++) {
-        move_to(plan, i);
-        sum[1] = plan->at->hash;
-        sum[0] = XXH3_128bits(sum, sizeof sum);
-    }
-    plan->points_hash = sum[0];
-}
-
-/* Everything that the rows of a plan and their order depend on. */
-static void hash_plan(const sweep_plan *plan, char digits[33])
-{
-    XXH3_state_t *state = XXH3_createState();
-    char text[512];
-    XXH3_128bits_reset(state);
-    int n = snprintf(text, sizeof text, "%s outputs=%016llx seed=%lu shared=%d replicas=%zu points=%zu",
-                     plan->model, (unsigned long long)hash_outputs(plan->protocol), plan->seed,
-                     plan->shared_piles, plan->replicas, plan->n_points);
-    XXH3_128bits_update(state, text, (size_t)n);
-    XXH3_128bits_update(state, &plan->points_hash, sizeof plan->points_hash);
-    for (const sweep_axis *axis = plan->axes; axis < plan->axes + plan->n_axes; axis++)
-        for (size_t i = 0; i < axis->n; i++) {
-            rp_config_value(element(axis->list, i), axis->param, plan->at->values);
-            const XXH128_hash_t hash = rp_params_hash_one(axis->param, plan->at->values);
-            XXH3_128bits_update(state, &hash, sizeof hash);
-        }
-    plan->at->point = SIZE_MAX;
-    rp_hash_digits(XXH3_128bits_digest(state), digits);
-    XXH3_freeState(state);
-}
-
 rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protocols, sweep_plan *plan)
 {
     *plan = (sweep_plan){0};
@@ -402,12 +357,15 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
     RP_TRY(find_lists(&h, grid, plan->axes, &plan->n_axes));
     RP_TRY(read_axes(plan, fixed));
     RP_TRY(read_fixed(plan, fixed, plan->at->values));
-    RP_TRY(find_model(plan));
+    char model[32];
+    snprintf(plan->model, sizeof plan->model, "%s %s", plan->protocol->name, rp_model(model));
     sum_fixed(plan, &h.set, fixed);
+    plan->hashes = calloc(plan->n_points, sizeof *plan->hashes);
+    if (!plan->hashes) return rp_fail(RP_NO_MEMORY, "%s: out of memory", file);
     for (size_t a = 0; a < plan->n_axes; a++)
         if (plan->axes[a].first) RP_TRY(refuse_twins(plan, a));
-    hash_points(plan);
-    return sweep_plan_replicate(plan, plan->replicas);
+    plan->n_runs = plan->n_points * plan->replicas;
+    return RP_OK;
 }
 
 rp_status sweep_plan_replicate(sweep_plan *plan, size_t replicas)
@@ -415,9 +373,20 @@ rp_status sweep_plan_replicate(sweep_plan *plan, size_t replicas)
     if (replicas < 1 || replicas > MAX_RUNS / plan->n_points)
         return rp_fail(RP_BAD_INPUT, "replicas = %zu: out of range for %zu grid points, allowed: [1, %zu]",
                        replicas, plan->n_points, MAX_RUNS / plan->n_points);
+    const config_setting_t *setting = config_lookup(&plan->config, "replicas");
+    const char *at = setting ? line_of(setting, plan->text) : plan->text;
+    char *made = NULL;
+    at = at && setting ? strstr(at, "replicas") : at;
+    if (!at) return rp_config_fail(setting, "replicas: a name and its number on one line expected");
+    if (setting) at += strcspn(at, "=:") + 1, at += strspn(at, " \t");
+    const size_t n = setting ? strcspn(at, " \t\r\n;,#/") : 0;
+    if (asprintf(&made, "%.*s%s%zu%s%s", (int)(at - plan->text), plan->text,
+                 setting ? "" : "replicas = ", replicas, setting ? "" : ";\n", at + n) < 0)
+        return rp_fail(RP_NO_MEMORY, "replicas: out of memory");
+    free(plan->text);
+    plan->text = made;
     plan->replicas = replicas;
     plan->n_runs = plan->n_points * replicas;
-    hash_plan(plan, plan->hash);
     return RP_OK;
 }
 
@@ -425,6 +394,7 @@ void sweep_plan_free(sweep_plan *plan)
 {
     free(plan->axes);
     free(plan->at);
+    free(plan->hashes);
     free(plan->text);
     sweep_protocol_close(plan->protocol);
     config_destroy(&plan->config);
@@ -471,8 +441,7 @@ static void hash_run(const sweep_plan *plan, size_t run, const char *before, cha
     const sweep_stream stream = sweep_plan_stream(plan, run);
     char text[256];
     snprintf(text, sizeof text, "%s seed=%lu run=%lu", before, stream.seed, stream.run);
-    move_to(plan, run / plan->replicas);
-    rp_hash_digits(hash_point(&plan->at->hash, text), digits);
+    rp_hash_digits(hash_point(hash_of(plan, run / plan->replicas), text), digits);
 }
 
 void sweep_plan_key(const sweep_plan *plan, size_t run, char key[33])
@@ -515,16 +484,11 @@ rp_status sweep_recipe_read(const char *file, sweep_recipe *recipe)
     const char *base = basename(file); /* "lh3" of sweeps/lh/lh3.cfg */
     snprintf(recipe->name, sizeof recipe->name, "%.*s", (int)strcspn(base, "."), base);
     RP_TRY(rp_config_read(file, &recipe->config));
-    const config_setting_t *root = config_root_setting(&recipe->config),
-                           *tables = config_setting_get_member(root, "tables");
+    const config_setting_t *root = config_root_setting(&recipe->config);
     int replicas = 0;
     recipe->has_runs = sweep_names_runs(root);
     if (config_setting_lookup_int(root, "study", &replicas) && replicas > 0) recipe->study = (size_t)replicas;
     RP_TRY(refuse_scene(file, root));
-    if (tables)
-        return rp_config_fail(tables,
-                              "tables: commands of 0.1.0 are gone; instead: the settings derive, trace "
-                              "and model, see repose sweep make --help");
     if (recipe->has_runs) return RP_OK;
     if (!config_setting_get_member(root, "model"))
         return rp_fail(RP_BAD_INPUT, "%s: neither a protocol nor an experiment nor a model", file);

@@ -53,7 +53,6 @@ typedef struct {
     size_t *todo;
     unsigned char *tries; /* of each run: those that failed */
     size_t n_todo, next, waiting, finished;
-    bool careful; /* after a drive that failed, each row is committed by itself */
     const sweep_options *options;
     const char *snapshots; /* folder; NULL: none */
     sweep_progress progress;
@@ -185,9 +184,9 @@ static int end_worker(worker *w)
 static rp_status hand_out(pool *p, worker *w)
 {
     const size_t share = p->waiting / p->n_workers,
-                 most = p->careful || p->finished < LEARNT || p->pace > SHORT || share < 1 ? 1
-                        : share < BATCH                                                    ? share
-                                                                                           : BATCH;
+                 most = p->finished < LEARNT || p->pace > SHORT || share < 1 ? 1
+                        : share < BATCH                                      ? share
+                                                                             : BATCH;
     if (w->n > 0 || p->waiting == 0) return RP_OK;
     if (w->socket < 0) RP_TRY(start_worker(p, w));
     while (w->n < most && p->waiting > 0) {
@@ -216,7 +215,6 @@ static void show(pool *p)
 static rp_status store_row(pool *p, const sweep_row *row)
 {
     RP_TRY(sweep_store_insert(p->store, p->plan, row));
-    if (p->careful) RP_TRY(sweep_store_commit(p->store));
     p->samples[p->finished++ % SAMPLES] = row->seconds;
     p->pace += (row->seconds - p->pace) / LEARNT;
     p->progress.stored++;
@@ -426,22 +424,9 @@ static rp_status run_all(pool *p)
     return status;
 }
 
-/* Where the queue starts. After a drive that failed it is elsewhere, so that one run that always ends the
- * drive does not keep the others from being made: the lock file counts drives without an orderly end. */
-static void begin_drive(pool *p, int lock)
-{
-    unsigned char failed = 0;
-    if (pread(lock, &failed, 1, 0) < 1) failed = 0;
-    const unsigned char next = (unsigned char)(failed + 1);
-    p->careful = failed > 0;
-    if (pwrite(lock, &next, 1, 0) == 1) /* else, as on a full disk, in order */
-        p->next = (size_t)(fmod(0.618 * failed, 1.0) * (double)p->n_todo);
-}
-
 rp_status sweep_pool_run(const sweep_folder *folder, size_t todo[], size_t n, const sweep_options *options,
                          const sweep_counts *counts)
 {
-    const int lock = folder->lock;
     pool p = {.plan = &folder->plan,
               .store = folder->store,
               .todo = todo,
@@ -453,7 +438,6 @@ rp_status sweep_pool_run(const sweep_folder *folder, size_t todo[], size_t n, co
               .start = rp_clock()};
     p.last_tick = p.start;
     if (!p.tries) return rp_fail(RP_NO_MEMORY, "workers: out of memory");
-    begin_drive(&p, lock);
     p.progress = (sweep_progress){counts->planned, counts->stored, counts->failed, 0.0, NAN};
     p.n_workers = (size_t)options->workers < n ? (size_t)options->workers : n;
     sigset_t stops, before;
@@ -471,12 +455,11 @@ rp_status sweep_pool_run(const sweep_folder *folder, size_t todo[], size_t n, co
     while (p.signals >= 0 && read(p.signals, &seen, sizeof seen) > 0) continue;
     close(p.signals);
     sigprocmask(SIG_SETMASK, &before, NULL);
-    if (!status || status == RP_STOPPED) (void)!ftruncate(lock, 0); /* an orderly end */
     free(p.tries);
     return status;
 }
 
-static bool is_aborted(const char *status)
+bool sweep_is_aborted(const char *status)
 {
     char quoted[32];
     snprintf(quoted, sizeof quoted, "'%s'", status);
@@ -487,7 +470,7 @@ size_t sweep_count_aborted(const sweep_counts *counts)
 {
     size_t n = 0;
     for (size_t i = 0; i < counts->words.n; i++)
-        if (is_aborted(counts->words.of[i].word)) n += (size_t)counts->words.of[i].times;
+        if (sweep_is_aborted(counts->words.of[i].word)) n += (size_t)counts->words.of[i].times;
     return n;
 }
 
@@ -512,7 +495,7 @@ rp_status sweep_check_aborted(const sweep_counts *counts)
     const size_t n = sweep_count_aborted(counts);
     return n == 0 ? RP_OK
                   : rp_fail(RP_NO_RESULT, "%zu of %zu runs were aborted (%s); the same command retries them",
-                            n, counts->planned, sweep_words(&counts->words, is_aborted, text));
+                            n, counts->planned, sweep_words(&counts->words, sweep_is_aborted, text));
 }
 
 rp_status sweep_check_whole(const char *dir, const sweep_counts *counts)

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdarg.h>
 #include <string.h>
-#include <strings.h>
 
 #include "core/file.h"
 #include "dem/scene/scene.h"
@@ -68,33 +67,13 @@ size_t sweep_count_outputs(const sweep_protocol *protocol)
     return n;
 }
 
-rp_status sweep_each_word(const rp_param *schema, void *params,
-                          rp_status (*visit)(const rp_param *changed, const char *word, void *context),
-                          void *context)
+/* Columns of tables of runs and points, beside parameters and outputs. */
+bool sweep_column_is_taken(const char *name)
 {
-    for (const rp_param *p = schema; p->name; p++) {
-        const char *words = p->type == RP_BOOL ? "false | true" : p->type == RP_CHOICE ? p->range : "";
-        char before[64], word[64];
-        rp_params_text(p, params, before, sizeof before);
-        for (int i = 0; *rp_word_at(words, i, word, sizeof word); i++) {
-            if (strcmp(word, before) == 0) continue;
-            RP_TRY(rp_params_set_text(p, params, word));
-            RP_TRY(visit(p, word, context));
-            RP_TRY(rp_params_set_text(p, params, before));
-        }
-    }
-    return RP_OK;
-}
-
-/* Columns of the store and of tables of runs and points, beside parameters and outputs. */
-bool sweep_column_is_taken(const char *name, bool in_store)
-{
-    static const char *const own[] = {"key",  "run",     "status",  "message", "seconds",
-                                      "seed", "model",   "program", "pile",    "parameters",
-                                      "sum",  "replica", "n",       "n_failed"};
+    static const char *const own[] = {"run",     "status", "seconds",  "pile",
+                                      "replica", "n",      "n_failed", "failed_for"};
     bool taken = false;
-    for (size_t k = 0; k < sizeof own / sizeof *own; k++)
-        taken |= (in_store ? strcasecmp : strcmp)(own[k], name) == 0;
+    for (size_t k = 0; k < sizeof own / sizeof *own; k++) taken |= strcmp(own[k], name) == 0;
     return taken;
 }
 

@@ -52,18 +52,12 @@ typedef struct {
      * box without grains. Errors: RP_BAD_INPUT. */
     rp_status (*check)(const void *params);
 
-    /* 32 hexadecimal digits and NUL that change with the bits of short runs, of every law, method and well
-     * that the parameters can choose: part of every key, so that results of changed physics are never reused,
-     * even if RP_MODEL_VERSION was forgotten. In milliseconds; the same on every processor. May be NULL. */
-    rp_status (*fingerprint)(char digits[33]);
-
     /* Of a protocol that a text describes: its first parameter, a pointer; and what stands for the parameters
-     * in keys (of NULL) or in these outputs, whatever else is measured: false for values that can't be, and
-     * where there is no such output. NULL for those of the program. */
+     * in keys: false for values that can't be. NULL for those of the program. */
     const void *context;
     const char
         *text; /* of a protocol that is not open yet (sweep_protocol_open): all but its name and `about` */
-    bool (*hash)(const void *params, const sweep_output of[], XXH128_hash_t *digest);
+    bool (*hash)(const void *params, XXH128_hash_t *digest);
 
     /* One run with the random streams (seed, run, purpose). With `tables` (else NULL) the run, the same to
      * the bit, leaves tables in a folder. Physics without a result (a leak, a pile that never rests) is RP_OK
@@ -95,14 +89,8 @@ rp_status sweep_table_close(sweep_file *file, rp_status status);
  * `tables` is NULL. */
 rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, long step, const char *stage);
 
-/* Call `visit` with each choice and each flag of the schema at each of its other words, one at a time;
- * afterwards the parameters are as before. Stops at an error. */
-rp_status sweep_each_word(const rp_param *schema, void *params,
-                          rp_status (*visit)(const rp_param *changed, const char *word, void *context),
-                          void *context);
-
-/* Is this the name of a column that each table has? A store does not tell capitals. */
-bool sweep_column_is_taken(const char *name, bool in_store);
+/* Is this the name of a column that each table has? */
+bool sweep_column_is_taken(const char *name);
 
 /* What a grid point has of an output's values, as columns y_mean, y_sd, ... of y. Is this one of them? */
 enum { SWEEP_STATISTICS = 6 };

@@ -24,55 +24,40 @@ typedef struct {
     double *finite;   /* n_outputs x replicas */
 } table;
 
-/* The programs that made the planned runs. */
-static rp_status note_makers(sweep_store *store, FILE *out)
-{
-    sqlite3_stmt *q = sweep_sql_query(
-        store, "SELECT program, count(*) FROM runs WHERE run IS NOT NULL GROUP BY program ORDER BY program");
-    while (sqlite3_step(q) == SQLITE_ROW)
-        rp_table_note(out, "runs made by", "%s (%lld)", (const char *)sqlite3_column_text(q, 0),
-                      sqlite3_column_int64(q, 1));
-    return sweep_sql_finish(store, "read the rows", q);
-}
-
-/* The outputs that planned runs lack. */
-static rp_status note_lacks(sweep_store *store, const sweep_output outputs[], FILE *out)
-{
-    sqlite3_str *sql = sqlite3_str_new(store->db);
-    sqlite3_str_appendall(sql, "SELECT 0");
-    for (const sweep_output *o = outputs; o->name; o++)
-        sqlite3_str_appendf(sql, ", sum(typeof(\"%w\") = 'text')", o->name);
-    sqlite3_str_appendall(sql, " FROM runs WHERE run IS NOT NULL");
-    sqlite3_stmt *q = sweep_sql_query_text(store, sql);
-    const bool read = sqlite3_step(q) == SQLITE_ROW;
-    for (int i = 0; read && outputs[i].name; i++)
-        if (sqlite3_column_int64(q, i + 1) > 0)
-            rp_table_note(out, "no value", "%s of %lld runs, stored before the program had this output",
-                          outputs[i].name, sqlite3_column_int64(q, i + 1));
-    return sweep_sql_finish(store, "read the rows", q);
-}
-
 /* Of the rows that are stored. */
 typedef struct {
     const sweep_plan *plan;
     XXH3_state_t *state;
-    size_t n_rows, n_outputs;
+    size_t n_rows, n_outputs, n_makers;
     double seconds;
     char text[33];
+    struct {
+        char program[256];
+        size_t runs;
+    } makers[32];
 } digester;
+
+static void add_maker(digester *d, const char *program)
+{
+    const size_t most = sizeof d->makers / sizeof *d->makers;
+    size_t i = 0;
+    while (i < d->n_makers && strcmp(d->makers[i].program, program) != 0) i++;
+    if (i == most) return;
+    if (i == d->n_makers)
+        snprintf(d->makers[d->n_makers++].program, sizeof d->makers[i].program, "%s", program);
+    d->makers[i].runs++;
+}
 
 static rp_status digest_row(const sweep_row *row, void *context)
 {
     digester *d = context;
-    double values[SWEEP_MAX_OUTPUTS];
-    for (size_t i = 0; i < d->n_outputs; i++) /* the store keeps no NaN's payload, and no minus of a zero */
-        values[i] = isnan(row->result.values[i]) ? NAN : row->result.values[i] + 0.0;
     char setting[33];
     sweep_plan_setting(d->plan, row->run, setting);
     XXH3_128bits_update(d->state, setting, sizeof setting);
     XXH3_128bits_update(d->state, row->result.status, strlen(row->result.status) + 1);
-    XXH3_128bits_update(d->state, values, d->n_outputs * sizeof *values);
+    XXH3_128bits_update(d->state, row->result.values, d->n_outputs * sizeof *row->result.values);
     if (isfinite(row->seconds)) d->seconds += row->seconds;
+    if (row->program) add_maker(d, row->program);
     d->n_rows++;
     return RP_OK;
 }
@@ -82,7 +67,7 @@ static rp_status find_digest(const sweep_plan *plan, sweep_store *store, digeste
     *d = (digester){
         .plan = plan, .state = XXH3_createState(), .n_outputs = sweep_count_outputs(plan->protocol)};
     XXH3_128bits_reset(d->state);
-    rp_status status = sweep_store_visit(store, plan, digest_row, d);
+    rp_status status = sweep_store_visit(store, plan, true, digest_row, d);
     rp_hash_digits(XXH3_128bits_digest(d->state), d->text);
     XXH3_freeState(d->state);
     return status;
@@ -102,7 +87,7 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
 {
     char text[256];
     digester digest;
-    RP_TRY(sweep_store_note(store, "main", "file", text, sizeof text));
+    RP_TRY(sweep_store_note(store, "file", text, sizeof text));
     const char *name = basename(text);
     RP_TRY(sweep_store_count(store, plan, counts));
     RP_TRY(find_digest(plan, store, &digest));
@@ -110,13 +95,11 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
     rp_table_note(out, "sweep", "%s, protocol %s, seed %lu, %zu grid points x %zu replicas%s", text,
                   plan->protocol->name, plan->seed, plan->n_points, plan->replicas,
                   plan->shared_piles ? ", shared piles" : "");
-    RP_TRY(note_makers(store, out));
-    rp_table_note(out, "plan", "%s", plan->hash);
+    for (size_t i = 0; i < digest.n_makers; i++)
+        rp_table_note(out, "runs made by", "%s (%zu)", digest.makers[i].program, digest.makers[i].runs);
     rp_table_note(out, "source", "%.*s %s %zu", (int)strcspn(name, "."), name, digest.text, digest.n_rows);
     rp_table_note(out, "missing", "%zu of %zu", counts->planned - counts->stored, counts->planned);
-    if (*store->skipped) rp_table_note(out, "left out, no stores yet", "%s", store->skipped);
     note_failed(counts, out);
-    RP_TRY(note_lacks(store, plan->protocol->outputs, out));
     if (sweep_count_aborted(counts) > 0)
         rp_table_note(out, "aborted", "%zu of the failed, to be tried again", sweep_count_aborted(counts));
     rp_table_note(out, "run_time", "%.1f s", digest.seconds);
@@ -232,7 +215,7 @@ static rp_status write_reduced(table *t, sweep_store *store)
     RP_SCOPE(memory);
     RP_NEW(&memory, t->n_finite, t->n_outputs);
     RP_NEW(&memory, t->finite, t->n_outputs * t->plan->replicas);
-    RP_TRY(sweep_store_visit(store, t->plan, gather, t));
+    RP_TRY(sweep_store_visit(store, t->plan, true, gather, t));
     write_point(t);
     return RP_OK;
 }
@@ -242,12 +225,12 @@ rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, 
 {
     RP_ENDS(sweep_folder_close) sweep_folder f;
     sweep_counts unused;
-    RP_TRY(sweep_folder_read(dir, protocols, true, &f));
+    RP_TRY(sweep_folder_read(dir, protocols, &f));
     table t = {.plan = &f.plan, .out = out, .what = what, .n_outputs = sweep_count_outputs(f.plan.protocol)};
     RP_TRY(write_head(&f.plan, f.store, command, counts ? counts : &unused, out));
     RP_TRY(write_columns(&t));
     RP_TRY(what & SWEEP_POINTS ? write_reduced(&t, f.store)
-                               : sweep_store_visit(f.store, &f.plan, write_run, &t));
+                               : sweep_store_visit(f.store, &f.plan, true, write_run, &t));
     return rp_file_finish(out, "table");
 }
 
@@ -273,7 +256,7 @@ rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, 
     RP_ENDS(sweep_folder_close) sweep_folder f;
     digester d;
     sweep_counts counts;
-    RP_TRY(sweep_folder_read(dir, protocols, true, &f));
+    RP_TRY(sweep_folder_read(dir, protocols, &f));
     RP_TRY(find_digest(&f.plan, f.store, &d));
     memcpy(digest, d.text, sizeof d.text);
     *n_rows = d.n_rows;

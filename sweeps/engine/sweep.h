@@ -1,10 +1,9 @@
 /* The sweep driver: repeats one protocol over a grid of parameters, each grid point `replicas` times.
  *
- * A sweep lives in a folder: sweep.cfg (a copy of the sweep file) and store.sqlite (the plan, and one row a
- * finished run). A row's key is a hash of parameters, random streams and the physics (RP_MODEL_VERSION and a
- * fingerprint of short runs): what is stored under a key of the plan is never computed again, and a row of
- * another plan or other physics never used. A row stays valid when the protocol gets a further output, which
- * it has no value of.
+ * A sweep lives in a folder: sweep.cfg (a copy of the sweep file) and store.sqlite (one row a
+ * finished run). The runs follow from the file. The store is a dictionary: a row's key is a hash of
+ * parameters, random streams and the model of the physics (rp_model), and what is stored under a key is never
+ * computed again. A row stays valid when the protocol gets a further output, which it has no value of.
  *
  * Sweep file (libconfig): protocol, replicas, seed, zip, piles, fixed = { key = value; }, grid = { key = [
  * ... ]; }. The grid is the product of its lists, the last one fastest (with zip = true, lists of equal
@@ -35,16 +34,16 @@ RP_C_BEGIN
 /* How far a sweep is. A result is a row whose status starts with "ok"; the others are failed. */
 typedef struct {
     size_t points, replicas, planned, stored, failed;
-    double seconds;    /* of the latest runs, on average; NaN without any */
-    size_t running;    /* stores to which a process writes; of sweep_status alone, as are those below */
-    char shards[256];  /* "2,5-7 of 8": those with runs to do; "" without shards, or when all are done */
-    char skipped[256]; /* of sweep_run too: stores of shards that are none yet, and were left out */
-    rp_tally words;    /* by status, in alphabetical order */
+    double seconds;   /* of a run, on average; NaN without any */
+    char shards[256]; /* "2,5-7 of 8": those with runs to do; "" without shards, or when all are done. Of
+                       * sweep_status and sweep_merge alone */
+    rp_tally words;   /* by status, in alphabetical order */
 } sweep_counts;
 
 /* "no_pile 6, overlap 2": the words for which `wanted`. Returns `text`. */
 const char *sweep_words(const rp_tally *words, bool (*wanted)(const char *status), char text[1024]);
 bool sweep_is_failed(const char *status);
+bool sweep_is_aborted(const char *status); /* by the machine, or a limit */
 
 /* Told how far something long is. */
 typedef void sweep_watch(const char *what, size_t done, size_t of);
@@ -96,21 +95,11 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
 rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, const sweep_options *options,
                     sweep_counts *counts);
 
-/* What stores beside a sweep's own gave. */
-typedef struct {
-    size_t stores, taken, duplicates, foreign; /* rows; foreign: of no run of the plan, left out */
-    size_t running;                            /* stores whose writer has given a sign of life lately */
-} sweep_merged;
-
 /* Take into the folder's store the rows of its shards or, if any are named, of other stores and folders.
- * Nothing is taken if two stores differ in a result, or if one has other physics.
+ * Nothing is taken if two stores differ in a result, or if one is of another model.
  * Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
 rp_status sweep_merge(const char *dir, const sweep_protocol *const *protocols, size_t n, char *const paths[],
-                      sweep_merged *merged, sweep_counts *counts);
-
-/* Replace a damaged store by a new one, with the rows that are whole; the old one is kept as
- * damaged.sqlite. *n is their number. Errors: RP_BAD_INPUT, RP_IO. */
-rp_status sweep_salvage(const char *dir, const sweep_protocol *const *protocols, size_t *n);
+                      sweep_counts *counts);
 
 /* Runs that the machine or a limit ended. Errors: RP_NO_RESULT while there is one. */
 size_t sweep_count_aborted(const sweep_counts *counts);

@@ -366,64 +366,6 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
     return tables && tables->directory && s.pile ? sweep_pile_write(&s, tables) : RP_OK;
 }
 
-typedef struct {
-    sweep_pile p;
-    XXH3_state_t *hash;
-} series;
-
-/* Numbers of a small pile, to fewer digits than a solver's order of operations changes. */
-static rp_status run_short(const rp_param *changed, const char *word, void *context)
-{
-    (void)word;
-    series *all = context;
-    sweep_result result;
-    const pile_values *v = (const void *)result.values;
-    if (check(&all->p)) return changed ? RP_OK : RP_BROKEN; /* not with these wells */
-    RP_TRY(run_one(&all->p, 1, 0, NULL, &result));
-    double hashed[] = {v->n_disks,
-                       v->D,
-                       v->D_diagonals,
-                       v->H_ratio,
-                       v->N_error_rms,
-                       v->N_continuum_rms,
-                       v->H_continuum_rms,
-                       v->negative_modes,
-                       v->smallest_pivot,
-                       v->contacts,
-                       v->strongest_level,
-                       v->broken,
-                       v->load,
-                       v->eps_c,
-                       v->n[4]};
-    for (size_t i = 0; i < sizeof hashed / sizeof *hashed; i++)
-        hashed[i] = isnan(hashed[i]) ? -1e300 : floor(hashed[i] * 1e6 + 0.5);
-    XXH3_128bits_update(all->hash, hashed, sizeof hashed);
-    return RP_OK;
-}
-
-/* With wells of both kinds, and with each word of each choice. */
-static rp_status fingerprint(char digits[33])
-{
-    static const double wells[] = {-1, 0.05};
-    series all = {.hash = XXH3_createState()};
-    rp_status status = all.hash ? RP_OK : rp_fail(RP_NO_MEMORY, "fingerprint: out of memory");
-    rp_params_defaults(sweep_pile_schema, &all.p);
-    all.p.base = 9;
-    all.p.mu = 0.2;
-    all.p.alpha_deg = 30;
-    all.p.disorder = 1e-4;
-    all.p.load_steps = 3;
-    if (!status) XXH3_128bits_reset(all.hash);
-    for (size_t k = 0; k < sizeof wells / sizeof *wells && !status; k++) {
-        all.p.well = wells[k];
-        status = run_short(NULL, NULL, &all);
-        if (!status) status = sweep_each_word(sweep_pile_schema, &all.p, run_short, &all);
-    }
-    if (!status) rp_hash_digits(XXH3_128bits_digest(all.hash), digits);
-    XXH3_freeState(all.hash);
-    return status;
-}
-
 const sweep_protocol sweep_protocol_pile = {
     .name = "pile",
     .about = "static equilibrium of a close-packed pile of soft disks (Liffman, Chan & Hughes 1992)",
@@ -431,5 +373,4 @@ const sweep_protocol sweep_protocol_pile = {
     .params_size = sizeof(sweep_pile),
     .outputs = outputs,
     .check = check,
-    .fingerprint = fingerprint,
     .run = run_one};

@@ -1,4 +1,4 @@
-/* repose sweep merge|slurm|salvage: several stores of one sweep, and a damaged one. */
+/* repose sweep merge|slurm: several stores of one sweep. */
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,15 +10,10 @@ static rp_status act_merge(cli_call *call, const void *values)
 {
     (void)values;
     sweep_counts counts;
-    sweep_merged merged = {0};
     int n = 0;
     while (cli_argument(call, n + 1)) n++;
-    RP_TRY(sweep_merge(cli_argument(call, 0), sweep_protocols, (size_t)n, call->arguments + 1, &merged,
-                       &counts));
+    RP_TRY(sweep_merge(cli_argument(call, 0), sweep_protocols, (size_t)n, call->arguments + 1, &counts));
     if (n > 0) RP_TRY(sweep_status(cli_argument(call, 0), sweep_protocols, &counts)); /* its own shards too */
-    rp_table_note(stdout, "merged",
-                  "%zu rows of %zu stores, %zu duplicates, %zu rows of other plans left out", merged.taken,
-                  merged.stores, merged.duplicates, merged.foreign);
     if (*counts.shards) rp_table_note(stdout, "shards with missing runs", "%s", counts.shards);
     cli_print_counts(&counts);
     return sweep_check_whole(cli_argument(call, 0), &counts);
@@ -30,12 +25,11 @@ const cli_command cmd_sweep_merge = {
     "DIR...",
     "Take the rows of the shards of the first folder, or of the further folders and stores, into its store. "
     "Refused, with nothing taken: two results of the same run that differ; a store of another protocol or "
-    "another model of the physics; a damaged store. Exit status 1 while runs are missing.",
+    "another model of the physics. Exit status 1 while runs are missing.",
     "repose sweep merge build/sweeps/lh3",
     NULL,
     .refuses = "Two results of the same run that differ; a store of another protocol or another model of the "
-               "physics;\n"
-               "a damaged store. Nothing is taken then.",
+               "physics.\nNothing is taken then.",
     .act = act_merge};
 
 #define SLURM_OPTIONS(X)                                                                                     \
@@ -134,25 +128,3 @@ const cli_command cmd_sweep_slurm = {
         "changed.",
     .prints_text = true,
     .act = act_slurm};
-
-static rp_status act_salvage(cli_call *call, const void *values)
-{
-    (void)values;
-    size_t n = 0;
-    RP_TRY(sweep_salvage(cli_argument(call, 0), sweep_protocols, &n));
-    printf("%s: %zu whole rows; the damaged store is damaged.sqlite\n", cli_argument(call, 0), n);
-    return RP_OK;
-}
-
-const cli_command cmd_sweep_salvage = {
-    "sweep salvage",
-    "get the whole rows out of a damaged store",
-    "DIR",
-    "Replace a damaged or truncated store by a new one, with all rows whose checksum is right. The damaged "
-    "file is kept as DIR/damaged.sqlite; `sweep run` makes the lost runs again.",
-    "repose sweep salvage build/sweeps/lh3",
-    NULL,
-    .refuses =
-        "A folder without a store; one that holds damaged.sqlite of an earlier salvage: move it away first.",
-    .prints_text = true,
-    .act = act_salvage};

@@ -110,7 +110,6 @@ static rp_status act_status_of(cli_call *call, const void *values)
     sweep_counts counts;
     RP_TRY(sweep_status(cli_argument(call, 0), sweep_protocols, &counts));
     const double left = counts.seconds * (double)(counts.planned - counts.stored);
-    rp_table_note(stdout, "running", "%zu", counts.running);
     if (isfinite(left)) rp_table_note(stdout, "left", "%.3g s of one core", left);
     if (*counts.shards) rp_table_note(stdout, "shards with missing runs", "%s", counts.shards);
     cli_print_counts(&counts);
@@ -122,7 +121,7 @@ static const cli_command status_of = {
     "numbers of stored runs and of each status",
     "DIR",
     "Numbers of planned, stored and missing runs, and of runs with each status, with all shards in the "
-    "folder; processes that write to it, the time left, and the shards with missing runs as a list for an "
+    "folder; the time left, and the shards with missing runs as a list for an "
     "array of jobs.",
     "repose sweep status build/sweeps/lh3",
     NULL,
@@ -193,6 +192,5 @@ static const cli_command *const commands[] = {&plan,
                                               &digest,
                                               &cmd_sweep_make,
                                               &cmd_sweep_slurm,
-                                              &cmd_sweep_salvage,
                                               NULL};
 const cli_command cmd_sweep = {"sweep", "plan, run and read parameter sweeps", .group = commands};
