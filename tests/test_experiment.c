@@ -776,110 +776,6 @@ static void test_shared_ends(void)
     SHELL("diff -r left0/snapshots left1/snapshots"); /* they have been made again */
 }
 
-static const char beds[] =
-    "let = { v = 5.0; top = 0.5; };\ndt = 5e-5; tangential = { law = `spring`; mu = 0.4; };\n"
-    "walls = ( { polygon = ( (0.0, 9.0), (0.0, 0.0), (2.0, 0.0), (2.0, 9.0) ); closed = false; } );\n"
-    "fill = { N = 60; W = 2.0; H = 3.0; };\n"
-    "regions = { low = { x = (0.0, 2.0); y = (0.0, `top`); }; };\n"
-    "phases = ( { name = `pour`; steps = 2000; }, { name = `bed`; steps = 12000; keep = true; },\n"
-    "  { name = `hit`; add = { r = 0.1; x = 1.0; y = `touch`; vy = `-v`; }; steps = 200; keep = true; },\n"
-    "  { name = `back`; from = `bed`; steps = 100; } );\n"
-    "measure = ( { name = `poured`; of = `contacts`; at = `pour`; }, { name = `bed_height`; of = `height`; "
-    "at = `bed`; },\n  { name = `after`; of = `energy`; at = `hit`; }, { name = `low_mass`; of = "
-    "`low.mass`; at = `hit`; } );\n";
-
-/* A measure that goes or moves leaves rows as they are. One that comes, at the end of a phase that is kept or
- * later, has the value that a new sweep gives it, and the steps before are not made again. */
-static void test_other_measures(void)
-{
-#define POURED "{ name = `poured`; of = `contacts`; at = `pour`; }"
-#define BED    "{ name = `bed_height`; of = `height`; at = `bed`; }"
-#define LOW    "{ name = `low_mass`; of = `low.mass`; at = `hit`; }"
-    static const struct {
-        const char *from, *to;
-        int stored; /* of 4 rows */
-    } cases[] = {{", " LOW, "", 4},
-                 {POURED ", ", "", 4},
-                 {POURED ", " BED, BED ", " POURED, 4},
-                 {LOW, LOW ", { name = `left_at`; of = `left`; }", 0},
-                 {LOW, LOW ", { name = `spin_at`; of = `spin + bed_height`; at = `bed`; }", 0},
-                 {"`low.mass`", "`sqrt(-low.mass)`", 0},
-                 {"`contacts`", "`contacts + 1`", 0},
-                 {"steps = 2000", "steps = 2001", 0}};
-    write_text("s.cfg", "experiment = \"e.cfg\"; replicas = 2; seed = 5; grid = { v = [5.0, 9.0]; };\n");
-    write_trial("e.cfg", beds);
-    GOOD("sweep make s.cfg -o first --quiet");
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        write_trial("e.cfg", check_changed(beds, cases[k].from, cases[k].to));
-        CU_ASSERT(shell_line("rm -rf again new && cp -r first again && $REPOSE sweep plan s.cfg -o again | "
-                             "grep -q ' %d already stored' && $REPOSE sweep run again -j 1 --quiet && "
-                             "$REPOSE sweep plan s.cfg -o new && $REPOSE sweep run new -j 1 --quiet && [ "
-                             "\"$($REPOSE sweep digest again)\" = \"$($REPOSE sweep digest new)\" ]",
-                             cases[k].stored) == 0);
-    }
-    write_trial("e.cfg", beds); /* alone */
-    GOOD("run e.cfg -o whole");
-    SHELL("sed 's/measure = (/measure = ( { name = \"left_at\"; of = \"left\"; at = \"bed\"; },/' e.cfg "
-          ">l.cfg && $REPOSE run l.cfg | grep -v '^#' >a && $REPOSE run l.cfg --from whole | grep -v '^#' >b "
-          "&& cmp a b");
-    SHELL("sed 's/\"contacts\"/\"contacts + 1\"/' e.cfg >l.cfg");
-    FAILS(65, "end_bed.state: poured is not in it", "run l.cfg --from whole");
-    SHELL("sed 's/from = \"bed\"/from = \"pour\"/' e.cfg >l.cfg");
-    FAILS(65, "end_bed.state: the end of pour is not in it", "run l.cfg --from whole");
-}
-
-/* A folder whose text becomes another has the rows of a new sweep; so have its shards, which are not merged.
- */
-static void test_other_texts(void)
-{
-#define BOTTOM "{ name = `bed`; steps = 500; keep = true; }"
-#define FALLS(steps)                                                                                         \
-    "{ name = `hit`; gravity_turn_deg_per_step = 0.013; add = { r = 0.1; x = 1.0; y = `touch + 0.1`; vy = "  \
-    "-5.0; }; steps = " steps "; keep = true; }"
-#define MORE(keys) "{ name = `more`; " keys " steps = 30; }"
-#define LEFT(end)  "{ name = `at_left`; of = `left`; at = `" end "`; }"
-#define TILT       "{ name = `tilt`; of = `tilt_deg`; }, { name = `met`; of = `touched ? 1 : 0`; }"
-#define LOOKS      "{ name = `looks`; of = `height`; during = `hit`; every = 7; }, "
-    static const char *const cases[][6] = {
-        /* phases, measures and more of the sweep, before and after: what follows the end of a phase is that
-           of the new text */
-        {BOTTOM, LEFT("bed"), "", BOTTOM ", " MORE(""), LEFT("more"), ""},
-        {BOTTOM ", " MORE(""), LEFT("more"), "", BOTTOM, LEFT("bed"), ""},
-        {BOTTOM, LEFT("bed"), "", MORE("if = false;") ", " BOTTOM, TILT, ""},
-        /* tilt and touch may differ where another measure looks */
-        {BOTTOM ", " FALLS("331"), LOOKS TILT, "", BOTTOM ", " FALLS("331"), TILT, ""},
-        {BOTTOM ", " FALLS("331"), TILT, "", BOTTOM ", " FALLS("400"), TILT, ""},
-        /* a change at some grid points alone; of the streams alone */
-        {BOTTOM ", " MORE("if = `v > 6`;"), LEFT("bed"), "", BOTTOM ", " MORE("if = `v > 6`; damp = true;"),
-         LEFT("bed"), ""},
-        {BOTTOM, LEFT("bed"), "", BOTTOM, LEFT("bed"), "set = [`walls[0].closed=false`];"},
-        /* a measure that goes */
-        {BOTTOM, LEFT("bed") ", " TILT, "", BOTTOM, LEFT("bed"), ""}};
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        for (size_t i = 0; i < 6; i += 3) {
-            write_text(
-                i ? "f.cfg" : "e.cfg",
-                "let = { v = 5.0; };\ndt = 1e-4; normal = { k_n = 1e5; }; tangential = { law = `spring`; mu "
-                "= `v/20`; };\n"
-                "walls = ( { polygon = ( (0.0, 9.0), (0.0, 0.0), (2.0, 0.0), (2.0, 9.0) ); closed = "
-                "false; } );\nfill = { N = 20; W = 2.0; H = 2.0; };\nphases = ( %s );\nmeasure = ( %s );\n",
-                cases[k][i], cases[k][i + 1]);
-            write_text(i ? "t.cfg" : "s.cfg",
-                       "experiment = `e.cfg`; replicas = 2; seed = 5; grid = { v = [5.0, 9.0]; }; %s\n",
-                       cases[k][i + 2]);
-        }
-        SHELL("sed -i 's/`/\"/g' [efst].cfg; rm -rf old new; $REPOSE sweep plan s.cfg -o old >out");
-        for (int shard = k < 7 ? 0 : 1; shard < (k < 7 ? 1 : 3); shard++)
-            GOOD(shard ? "sweep run old -j 1 --quiet --shard %d/2" : "sweep run old -j 1 --quiet", shard);
-        CU_ASSERT(
-            shell_line("mv f.cfg e.cfg; mv t.cfg s.cfg; for d in old new; do $REPOSE sweep plan s.cfg "
-                       "-o $d && %s$REPOSE sweep run $d -j 1 --quiet && $REPOSE sweep digest $d "
-                       ">$d.txt || exit 9; done >out && cmp old.txt new.txt",
-                       k < 7 ? ""
-                             : "{ [ $d = new ] || $REPOSE sweep merge $d | grep ' 4 rows of 2'; } && ") == 0);
-    }
-}
-
 /* The snapshot of a run by a text with other phases kept or left out, of which the run is the same. */
 static void test_other_snapshots(void)
 {
@@ -924,22 +820,21 @@ static void test_sweeps_refused(void)
         {"experiment = \"h.cfg\"; grid = { unused = [1.0, 2.0]; };", "appears twice in the grid"},
         {"experiment = \"files.cfg\";", "particles_file: a text that is swept must be whole in itself"},
         {"experiment = \"included.cfg\";", "included.cfg:1: @include: a file must be whole in itself"},
-        {"experiment = \"taken.cfg\";", "taken.cfg: sum is a column that every sweep has"},
+        {"experiment = \"taken.cfg\";", "taken.cfg: replica is a column that every sweep has"},
         {"experiment = \"mean.cfg\";", "mean.cfg: rate_mean is a let, and what a sweep's points call a"},
-        {"experiment = \"twice.cfg\";", "twice.cfg: rate and RATE differ by capitals alone"},
-        {"experiment = \"seed.cfg\"; grid = { seed = [1.0, 2.0]; };",
-         "seed: is a column that every sweep has"},
+        {"experiment = \"pile.cfg\"; grid = { pile = [1.0, 2.0]; };",
+         "pile: is a column that every sweep has"},
         {"replicas = 3;", "protocol or experiment: missing"}};
     write_trial("h.cfg", check_changed(hopper, "mu = 0.2", "mu = 0.2; unused = 1.0"));
     write_text("plain.cfg", "steps = 3; particles = ( { x = 0.0; y = 0.0; r = 0.1; } );\n");
     write_text("files.cfg", "particles_file = \"p.tsv\"; phases = ( { name = \"a\"; steps = 3; } );\n");
     write_text("p.tsv", "x\ty\tr\n0\t0\t0.1\n");
-    SHELL("sed 's/packed/sum/' h.cfg >taken.cfg; sed 's/unused/rate_mean/' h.cfg >mean.cfg; sed "
-          "'s/packed/RATE/' h.cfg >twice.cfg; sed 's/unused/seed/' h.cfg >seed.cfg");
+    SHELL("sed 's/packed/replica/' h.cfg >taken.cfg; sed 's/unused/rate_mean/' h.cfg >mean.cfg; sed "
+          "'s/unused/pile/' h.cfg >pile.cfg");
     write_text("included.cfg", "@include \"h.cfg\"\n");
     CHECK_REFUSED(cases, "s.cfg", "sweep plan s.cfg -o s");
     SHELL("[ ! -e s ]");
-    SHELL("mkdir d && for c in run merge salvage; do $REPOSE sweep $c d 2>out; grep -q 'd/sweep.cfg: cannot "
+    SHELL("mkdir d && for c in run merge; do $REPOSE sweep $c d 2>out; grep -q 'd/sweep.cfg: cannot "
           "read' out || exit 9; done; rmdir d"); /* a folder of no sweep stays as it is */
 }
 
@@ -1687,5 +1582,5 @@ CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, te
                    test_printed_limits, test_windows_of_modules, test_more_modules, test_mean_grain,
                    test_refused_more, test_cuts, test_kept, test_where, test_started_at, test_words,
                    test_refused, test_keys, test_random_texts, test_run, test_resumed, test_swept,
-                   test_shared_ends, test_other_measures, test_other_texts, test_other_snapshots,
+                   test_shared_ends, test_other_snapshots,
                    test_sweeps_refused, test_slow_turns, test_computed_again)
