@@ -83,7 +83,7 @@ Cflags: -I\${includedir}
 EOF
     [ "$1" = repose ] || ln -s librepose.a "$to/lib/lib$1.a"
 }
-pc repose "forces in and angles of granular piles" "gsl libconfig sqlite3 libxxhash" -lcholmod
+pc repose "forces in and angles of granular piles" "gsl libconfig sqlite3 libxxhash jansson" -lcholmod
 pc repose-analytic "lattice, continuum and tent models of piles"
 pc repose-dem "discrete-element simulator of grains" "libconfig libxxhash" -lcholmod
 pc repose-statics "static equilibrium of soft disks" "" -lcholmod

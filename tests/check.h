@@ -56,6 +56,7 @@
     X(suite_repose)                                                                                          \
     X(suite_sweep)                                                                                           \
     X(suite_drill)                                                                                           \
+    X(suite_model)                                                                                           \
     X(suite_power)                                                                                           \
     X(suite_flux)                                                                                            \
     X(suite_drop)                                                                                            \

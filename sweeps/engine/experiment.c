@@ -81,17 +81,7 @@ static rp_status check(const void *params)
     return status;
 }
 
-/* Is an output of a measure among these? NULL: all are. */
-static bool is_asked(const exp_plan *plan, const exp_measured *m, const sweep_output of[])
-{
-    const exp_output *own = exp_outputs(plan, NULL) + m->output;
-    bool asked = !of && m->n_outputs > 0;
-    for (size_t k = 0; k < m->n_outputs; k++)
-        for (const sweep_output *o = of; o && o->name; o++) asked |= strcmp(o->name, own[k].name) == 0;
-    return asked;
-}
-
-static bool hash(const void *params, const sweep_output of[], XXH128_hash_t *digest)
+static bool hash(const void *params, XXH128_hash_t *digest)
 {
     exp_plan *plan;
     exp_measured m;
@@ -99,13 +89,7 @@ static bool hash(const void *params, const sweep_output of[], XXH128_hash_t *dig
     if (!status) status = exp_key(plan, digest);
     for (size_t k = 0; !status && k < exp_measure_count(plan); k++) {
         status = exp_measure_at(plan, k, &m);
-        if (!status && is_asked(plan, &m, of)) *digest = rp_hash_add(*digest, m.key);
-    }
-    for (const sweep_output *o = of; !status && o && o->name; o++) {
-        size_t n, k = 0;
-        const exp_output *own = exp_outputs(plan, &n);
-        while (k < n && strcmp(own[k].name, o->name) != 0) k++;
-        if (k == n) status = RP_NO_RESULT;
+        if (!status) *digest = rp_hash_add(*digest, m.key);
     }
     exp_free(plan);
     return status == RP_OK;

@@ -37,6 +37,9 @@ static rp_status run_sql(sweep_store *s, const char *format, ...)
     return rc == SQLITE_OK ? RP_OK : failed(s);
 }
 
+/* The name that SQLite does not take for an address. */
+#define LITERAL(path) *(path) == '/' ? "" : "./", path
+
 /* The first cell of the first row as a text, "" without. */
 static rp_status ask(sweep_store *s, char *text, size_t size, const char *format, ...)
 {
@@ -73,7 +76,10 @@ rp_status sweep_store_open(const char *path, bool writes, sweep_store **store)
     snprintf(s->path, sizeof s->path, "%s", path);
     /* a reader too takes back what a writer that was killed left half done */
     const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | (writes ? SQLITE_OPEN_CREATE : 0);
-    if (sqlite3_open_v2(path, &s->db, flags, NULL) != SQLITE_OK) return failed(s);
+    char *name = sqlite3_mprintf("%s%s", LITERAL(path));
+    const int opened = sqlite3_open_v2(name, &s->db, flags, NULL);
+    sqlite3_free(name);
+    if (opened != SQLITE_OK) return failed(s);
     sqlite3_busy_timeout(s->db, PATIENCE_MS);
     RP_TRY(check_format(s, "main", &empty));
     if (!writes)
@@ -179,7 +185,10 @@ rp_status sweep_store_commit(sweep_store *s)
     if (!s->pending) return RP_OK;
     s->pending = false;
     s->committed = rp_clock();
-    return run_sql(s, "COMMIT");
+    return sqlite3_exec(s->db, "COMMIT", NULL, NULL, NULL) == SQLITE_OK
+               ? RP_OK
+               : rp_fail(RP_IO, "%s: cannot store the latest rows: %s; those stored before are kept", s->path,
+                         sqlite3_errmsg(s->db));
 }
 
 rp_status sweep_store_tick(sweep_store *s)
@@ -295,7 +304,7 @@ rp_status sweep_store_unite(sweep_store *s, const sweep_plan *plan, size_t n, ch
     for (size_t i = 0; i < n; i++) {
         sweep_store source = {.db = s->db};
         snprintf(source.path, sizeof source.path, "%s", paths[i]);
-        RP_TRY(run_sql(&source, "ATTACH %Q AS source", paths[i]));
+        RP_TRY(run_sql(&source, "ATTACH '%q%q' AS source", LITERAL(paths[i])));
         RP_TRY(take_source(&source, plan));
         RP_TRY(run_sql(&source, "DETACH source"));
     }

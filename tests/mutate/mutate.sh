@@ -82,10 +82,9 @@ suites_of() {
     sweeps/engine/keep.c | sweeps/engine/experiment.c) echo experiment sweep snapshot cli ;;
     sweeps/protocols/protocols.c) echo sweep golden tables notes cli ;;
     sweeps/engine/pool.c | sweeps/engine/sweep.c) echo sweep drill notes tables evidence cli snapshot ;;
-    sweeps/engine/physics.c) echo golden keys sweep ;;
     sweeps/protocols/outline.c) echo golden piles equilibrium ;;
     sweeps/protocols/pile.c) echo piles golden ;;
-    sweeps/engine/*) echo sweep notes tables evidence cli power drill ;;
+    sweeps/engine/*) echo sweep notes tables evidence cli drill ;;
     src/dem/forces/walls.c | src/dem/forces/touch.c | src/dem/state/slots.c) echo units actions walls scene tables contacts incline rotation golden ledger ;;
     *) echo units soft property material sizes impact implicit rotation incline contacts published motion hard walls golden scene dem laws ;;
     esac
