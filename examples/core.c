@@ -61,11 +61,11 @@ int main(void)
 {
     dem_grain grains[N];
     dem_definition scene = dem_definition_default(); /* of Lee & Herrmann, with a friction of 0.2 */
-    const dem_physics grain = dem_physics_of(&scene, 1.0);
-    const dem_material wall = dem_wall_material(&dem_material_auto, &grain);
+    dem_material wall = scene.material;
     dem_sim *sim = NULL;
     place(grains);
     scene.grains = grains, scene.n_grains = N, scene.x_max = 2.0 * width;
+    wall.k_n *= 2.0;
     dem_box_walls(&scene, width, &wall);
     rp_status status = dem_create(&scene, &sim);
     if (!status) status = run_to_rest(sim);

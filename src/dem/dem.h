@@ -20,6 +20,7 @@
 #include "dem/law/choices.h"
 #include "dem/law/laws.h"
 #include "dem/law/parameters.h"
+#include "dem/read.h"
 
 RP_C_BEGIN
 
@@ -211,8 +212,6 @@ rp_status dem_density_check(dem_shape shape, rp_units units, bool given);
 enum { DEM_BOX_FLOOR, DEM_BOX_LEFT, DEM_BOX_RIGHT, DEM_BOX_N };
 void dem_box_walls(dem_definition *def, double W, const dem_material *wall);
 
-typedef struct dem_sim dem_sim;
-
 /* Why a run stopped. */
 #define DEM_FAULT_LIST(X)                                                                                    \
     X(DEM_FAULT_NONE, "ok")                                                                                  \
@@ -260,7 +259,6 @@ uint64_t dem_keep_layout(void);
 rp_status dem_change(dem_sim **sim, const dem_definition *laws);
 
 /* The same with fewer grains, and the laws that hold: those of a region are taken out. */
-typedef bool dem_in_region(const void *region, uint32_t id, double x, double y);
 rp_status dem_remove(dem_sim **sim, dem_in_region *in, const void *region);
 
 /* All velocities and spins become 0; springs stay. Errors: RP_NO_MEMORY. */
@@ -313,10 +311,6 @@ rp_status dem_gravity_set(dem_sim *sim, const double g[2]);
  * displacement of its point in the step over dt. With fixed grains dem_run refuses. */
 rp_status dem_box_turn(dem_sim *sim, double radians_per_step);
 
-/* Turn a point of the laboratory, the frame of all that is read of a simulation, into the box's frame, in
- * which the walls are where the definition has them. */
-void dem_box_frame(const dem_sim *sim, double *x, double *y);
-
 /* Rebuild the neighbour list now: changes the trajectory by round-off at most. */
 rp_status dem_neighbours_rebuild(dem_sim *sim);
 
@@ -324,7 +318,6 @@ rp_units dem_units(const dem_sim *sim);
 long dem_step(const dem_sim *sim);
 double dem_time(const dem_sim *sim);
 size_t dem_count(const dem_sim *sim); /* grains still there */
-void dem_gravity(const dem_sim *sim, double gravity[2]);
 const char *dem_kernel_name(const dem_sim *sim);
 
 /* Whether this processor can run it. */
@@ -338,181 +331,6 @@ typedef struct {
     double iterations;                  /* of the implicit integrator: factorisations, or sweeps */
 } dem_counts;
 void dem_count_work(const dem_sim *sim, dem_counts *counts);
-
-typedef struct {
-    uint32_t id;
-    double x, y, r, m, vx, vy;
-    double fx,
-        fy; /* net force, gravity included; on a fixed grain the contacts' force, that its hold carries */
-    double angle, omega, torque;
-    int contacts;
-    bool fixed;
-} dem_state;
-
-/* States of the grains in the order of their ids; `states` holds dem_count() entries.
- * Errors: RP_NO_MEMORY. */
-rp_status dem_states(const dem_sim *sim, dem_state *states);
-
-/* XXH3 of x, y, vx, vy, fx, fy of all grains, in the order of their ids: equal for runs with the same bits.
- * Errors: RP_NO_MEMORY. */
-rp_status dem_digest(const dem_sim *sim, uint64_t *digest);
-
-typedef enum { DEM_WELL_NONE, DEM_WELL_HOLDS, DEM_WELL_BROKEN } dem_well;
-typedef struct dem_contact {
-    uint32_t id_a, id_b; /* id_b = 0: a wall, then `wall` is its number */
-    int wall;
-    double x, y, x_b, y_b; /* centres; for a wall its nearest point */
-    /* shear: force on b along the way from a to b turned clockwise; displacement, of the other sign */
-    double overlap, normal_force, shear_force, shear_spring;
-    double k_s, k_roll;                    /* stiffness of the shear spring, of the rolling one */
-    double rolling_torque, rolling_spring; /* torque on grain a, and displacement at the shorter arm */
-    dem_well well; /* on the ground: of which shear_force holds the pull, shear_spring the displacement */
-} dem_contact;
-
-/* All contacts, walls included; *contacts is a new array (free it). Errors: RP_NO_MEMORY. */
-rp_status dem_contacts(const dem_sim *sim, dem_contact **contacts, size_t *n);
-
-/* Number of contacts; *over is how many have a shear force above Coulomb's limit mu max(F_n, 0), as only a
- * dashpot outside the limit makes it. Without such a dashpot both are 0. */
-size_t dem_over_friction(const dem_sim *sim, size_t *over);
-
-/* Energies: kinetic of the translation, elastic (normal, shear and rolling springs, wells of the ground),
- * gravity (from the origin; of what can move), kinetic of the rotation. */
-typedef struct {
-    double kinetic, elastic, gravity, rotational;
-} dem_energy;
-void dem_energies(const dem_sim *sim, dem_energy *energy);
-
-/* Energy since the start by channels, each with its sign in
- *
- *   energy now = start + (put_in - taken_out + ... + integration) + residual:
- *
- * energy of the grains put in and taken out, with their contacts; work of gravity's change, and of walls that
- * move or vanish; losses to damping, sliding, rolling resistance (dashpot and slider), wells, whose depth
- * follows N, and hard collisions; error of the integrator. Energy that a well or an untruncated spring gives
- * back counts as a negative loss. */
-#define DEM_LEDGER_LIST(X)                                                                                   \
-    X(put_in, +)                                                                                             \
-    X(taken_out, -)                                                                                          \
-    X(gravity_turn, +)                                                                                       \
-    X(wall_work, +)                                                                                          \
-    X(normal_damping, -)                                                                                     \
-    X(shear_damping, -) X(sliding, -) X(rolling, -) X(wells, -) X(hard, -) X(integration, +)
-typedef struct {
-    double start;
-#define X(channel, sign) double channel;
-    DEM_LEDGER_LIST(X)
-#undef X
-    double at_walls; /* of normal_damping to wells: at walls */
-    double turnover; /* sum of the magnitudes of all changes of kinetic energy and height, and of such work */
-    double residual; /* round-off of turnover, if the ledger is right */
-} dem_ledger;
-
-/* False without a ledger. */
-bool dem_ledger_read(const dem_sim *sim, dem_ledger *ledger);
-
-/* A wall as it is now, in the laboratory frame: the line through `point` with the unit normal `direction`,
- * between two ends along the direction turned clockwise, from the point; an infinite end has none. Nothing of
- * an open wall is left where both ends are equal. All is 0 of a wall that there is not. */
-typedef struct {
-    double point[2], direction[2], ends[2], force[2];
-    double mu;
-    double pivot[2], velocity[2], angle; /* the latter: turned by itself since the start, radians */
-    bool open;                           /* it has begun to open */
-} dem_wall_state;
-size_t dem_wall_count(const dem_sim *sim);
-dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall);
-
-/* How far from rest the grains of a region are, fixed ones left out; in the frame of the box, if that turns.
- * The region is lo < x < hi, or where `in` is true. */
-typedef struct {
-    size_t n;              /* grains in the region */
-    double kinetic_energy; /* mean over them, of translation and rotation */
-    double net_force;      /* largest on a grain with a contact, anywhere in the region */
-    double free_force;     /* largest on one without: its weight while it flies */
-    double contact_number; /* mean contacts a grain, walls counted once */
-} dem_rest;
-rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *rest); /* RP_NO_MEMORY */
-rp_status dem_rest_in(const dem_sim *sim, dem_in_region *in, const void *region,
-                      dem_rest *rest); /* RP_NO_MEMORY */
-
-/* At rest: the mean kinetic energy is at most `energy`, and the largest net force on a grain with a contact
- * at most `force`; in a box these are the constants, m g d and m g. Forces count because energies are small
- * at turning points too. Grains are at rest once ten looks in a row say so, 500 steps apart: so a grain that
- * flies is seen to fall. Where that may take longer, `brief`, forces on grains without a contact count as
- * well. */
-#define DEM_REST_LOOKS  10
-#define DEM_REST_STEPS  500
-#define DEM_REST_ENERGY 1e-7
-#define DEM_REST_FORCE  1e-2
-bool dem_at_rest(const dem_rest *rest, double energy, double force, bool brief);
-
-/* Contacts of a grain now, walls included (0 if it has left); the largest speed of a grain with lo < x < hi.
- * Neither allocates. */
-int dem_contact_count(const dem_sim *sim, uint32_t id);
-double dem_largest_speed(const dem_sim *sim, double lo, double hi);
-
-/* Filling: grains at rest. Their radii follow a law, whose shares count grains, or the area or the mass that
- * they have; their places a pattern. */
-#define DEM_RADIUS_LAWS(X)                                                                                   \
-    X(DEM_RADII_GAUSS, gauss, "normal law, cut at radius_min and radius_max")                                \
-    X(DEM_RADII_UNIFORM, uniform,                                                                            \
-      "all radii alike, from radius_mean - sqrt(3) radius_width to "                                         \
-      "radius_mean + sqrt(3) radius_width")                                                                  \
-    X(DEM_RADII_LOGNORMAL, lognormal, "normal law of the logarithm, of this mean and standard deviation")    \
-    X(DEM_RADII_TABLE, table, "those of radii = ( [r, share], ... )")
-typedef enum { DEM_RADIUS_LAWS(DEM_ID) } dem_radius_law;
-#define DEM_SHARES(X)                                                                                        \
-    X(DEM_BY_NUMBER, number, "a share of the grains")                                                        \
-    X(DEM_BY_AREA, area, "a share of the area that they cover")                                              \
-    X(DEM_BY_MASS, mass, "a share of their mass")
-typedef enum { DEM_SHARES(DEM_ID) } dem_share;
-#define DEM_PATTERNS(X)                                                                                      \
-    X(DEM_PATTERN_RANDOM, random, "one after the other where they overlap none, at random")                  \
-    X(DEM_PATTERN_ROW, row,                                                                                  \
-      "one row from x0 on, each on y0 and touching the last or `spacing` from it, as many as fit in W")      \
-    X(DEM_PATTERN_LATTICE, lattice,                                                                          \
-      "close-packed rows from (x0, y0) on, of the width of the largest grain or `spacing`, as many as fit "  \
-      "in W and H")
-typedef enum { DEM_PATTERNS(DEM_ID) } dem_pattern;
-
-typedef struct {
-    long N;      /* of a row or lattice -1: as many as there is room for */
-    double W, H; /* grains lie inside (x0, x0 + W) x (y0, y0 + H) */
-    double radius_mean, radius_width, radius_min, radius_max;
-    double density;
-    dem_shape shape;
-    long seed, run; /* names of the random streams */
-    double x0, y0;
-    size_t n_walls; /* of a scene: grains touch none, and lie in the largest part of the region that they
-                       leave */
-    const dem_wall *walls;
-    bool *cut; /* may be NULL; set where places beside that part were left out */
-    dem_radius_law law;
-    dem_share by;
-    dem_pattern pattern;
-    size_t n_radii; /* of the table: radius and share of each, borrowed */
-    const double *radii;
-    const char *kind; /* a name of these grains, "" or NULL for none */
-    bool fixed;       /* grains that never move */
-    double spacing;   /* of a row or lattice, from centre to centre; 0: of grains that touch */
-    size_t n_corners; /* of a polygon that centres lie in, x and y of each, borrowed; 0: none */
-    const double *corners;
-    long number;      /* of the fill in a scene, from 0 on: each has streams of its own */
-    size_t n_there;   /* grains that are there already, right before `grains` in their array */
-    void *streams[2]; /* rp_random of radii and places that go on afterwards; NULL: those of seed and run */
-} dem_fill;
-
-/* Draw radii, and place the grains: `grains` has room for dem_fill_most(fill), *n are placed, fill->N where
- * that is not -1.
- * Errors: RP_BAD_INPUT (a number that is not finite, radii), RP_NO_RESULT (no room found in a million tries
- * for a grain, or in a row or lattice for N: how many have it), RP_NO_MEMORY. */
-rp_status dem_fill_grains(const dem_fill *fill, dem_grain *grains, size_t *n);
-size_t dem_fill_most(const dem_fill *fill);
-
-/* The same with the radii that `grains` already have; those of the fill are not used. Large ones should come
- * first: they find no room among many small ones. */
-rp_status dem_fill_place(const dem_fill *fill, dem_grain *grains);
 
 RP_C_END
 

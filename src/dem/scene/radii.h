@@ -3,7 +3,7 @@
 #define DEM_RADII_H
 
 #include "core/random.h"
-#include "dem/dem.h"
+#include "dem/scene/fill.h"
 
 /* Grains of a spacing of their own may overlap by this part of their radii: of a lattice whose sizes scatter.
  */

@@ -6,7 +6,7 @@
 
 #include "core/arena.h"
 #include "params/params.h"
-#include "dem/dem.h"
+#include "dem/scene/fill.h"
 
 RP_C_BEGIN
 

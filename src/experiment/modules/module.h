@@ -2,8 +2,10 @@
 #ifndef EXP_MODULE_H
 #define EXP_MODULE_H
 
+#include <stdio.h>
+
 #include "core/arena.h"
-#include "dem/dem.h"
+#include "dem/read.h"
 #include "params/params.h"
 #include "stress/stress.h"
 
