@@ -340,7 +340,26 @@ static void values(void)
     }
 }
 
-/* ---- a scene that is written ---- */
+/* ---- a text, and a scene, that are written ---- */
+
+/* As dem_text_write writes it the text is the same run, and is written the same again. */
+static void texts_written(void)
+{
+    read_bases();
+    for (size_t t = 0; t < TEXTS; t++) {
+        RP_ENDS(dem_text_close) dem_text text, again;
+        XXH128_hash_t key;
+        CHECK_OK(open_text(t, "rest.energy=1.2345678901234567e-3", &text));
+        CHECK_WRITTEN(first, to, dem_text_write(&text, 7, 3, to));
+        CHECK_OK(dem_text_open("written", first, NULL, &again));
+        CHECK_WRITTEN(second, to_second, dem_text_write(&again, 7, 3, to_second));
+        CU_ASSERT_STRING_EQUAL(first, second);
+        CU_ASSERT(strstr(first, "seed = 7;") && strstr(first, "run = 3;"));
+        CU_ASSERT(read_key(&text, &key) && !XXH128_isEqual(key, bases[t]));
+        bases[t] = key;
+        CU_ASSERT(read_key(&again, &key) && XXH128_isEqual(key, bases[t]));
+    }
+}
 
 static dem_sim *sim_of(const dem_scene *scene)
 {
@@ -393,4 +412,4 @@ static void tables(void)
                                          {text, "bed/states", "other/states", "another"}});
 }
 
-CHECK_SUITE_WITHIN(schemas, "schemas", enter, leave, schemas, values, written, tables)
+CHECK_SUITE_WITHIN(schemas, "schemas", enter, leave, schemas, values, texts_written, written, tables)
