@@ -205,37 +205,6 @@ static void test_orders(void)
         CHECK_PARTS(orders[k].command->about, orders[k].words);
 }
 
-/* Is there a row of CHANGELOG.md with both? The second is read to its first comma or semicolon. */
-static bool is_told_of(const char *changes, const char *name, const char *instead)
-{
-    char line[MOST], plain[MOST];
-    const char *first = check_text("%.*s", (int)strcspn(instead, ",;"), instead);
-    while (next_line(&changes, line)) {
-        char *to = plain;
-        for (const char *c = line; *c; c++)
-            if (*c != '`') *to++ = *c;
-        *to = '\0';
-        if (*line == '|' && strstr(plain, name) && strstr(plain, first)) return true;
-    }
-    return false;
-}
-
-/* What an older version had answers with what to use instead, as CHANGELOG.md has it. */
-static void test_removed(void)
-{
-    scoped char *changes = NULL;
-    CHECK_OK(rp_file_read("CHANGELOG.md", &changes));
-    for (const cli_removed *r = cli_repose.removed; r->name; r++) {
-        const char *dashes = strstr(r->name, " --");
-        const char *expected = check_text("%s of 0.1.0 is gone; instead: %s\n", r->name, r->instead);
-        FAILS(64, expected, "%s", r->name);
-        if (dashes) FAILS(64, expected, "%s=3", r->name);
-        CU_ASSERT(is_told_of(changes, dashes ? dashes + 1 : r->name, r->instead));
-    }
-    FAILS(64, "unknown option --plot", "view --plot");
-    FAILS(64, "unknown option --plo;", "run --plo");
-}
-
 static rp_status nothing(cli_call *call, const void *values)
 {
     (void)call, (void)values;
@@ -696,5 +665,5 @@ static void test_params_json(void)
     rows = NULL;
 }
 
-CHECK_SUITE_WITHIN(help, "help", enter, leave, test_help, test_orders, test_removed, test_room,
-                   test_arguments, test_manual, test_completion, test_params, test_params_json)
+CHECK_SUITE_WITHIN(help, "help", enter, leave, test_help, test_orders, test_room, test_arguments, test_manual,
+                   test_completion, test_params, test_params_json)

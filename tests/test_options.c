@@ -40,12 +40,9 @@ static const struct {
      "--base 8|--eps 2e-3|--alpha-deg 30|--gap 0.01|--disorder 0.01|--k-x 0.5|--summary|--threshold"},
     {"pile", "--base 9 --eps 1e-3 --alpha-deg 30 --inner-deg 45", "--inner-deg 40|--x-1 0.3"},
     {"pile", "--base 9 --alpha-deg 30 --well 0.3 --mu 0.2 --eps 1e-3", "--well 0.4|--mu 0.25|--set-load 0.5"},
-    {"pile", "--base 9 --alpha-deg 30 --disorder 0.02", "--seed 4|--piles 3"},
+    {"pile", "--base 9 --alpha-deg 30 --disorder 0.02", "--seed 4"},
     {"pile", "--base 12 --eps 5e-3", "--branch minimum"},
     {"pile", "--base 12 --eps 5e-3 --branch minimum", "--leave 1"},
-    {"pile", "--outline outline.tsv --base 6", "--base 7|--disorder 0.01"},
-    {"pile", "--outline outline.tsv --base 6 --disorder 0.01", "--seed 4"},
-    {"pile", "--disks disks.tsv", "--eps 1e-3"},
     {"report claims", "--claims claims.tsv --tables .",
      "--claims other.tsv|--tables nowhere|--paper li|--id angle|--variants"},
     {"bench", "-n 9 --steps 10 --repeat 1", "-n 10|--steps 11|--start start.tsv|--size-ratio 5"}};
@@ -63,8 +60,6 @@ static const struct {
                   {"lattice", "--method", "a second way to the same numbers: suite analytic"},
                   {"pile", "--set-again", "needs wells that break: suite keys"},
                   {"pile", "--load-steps", "the same state, in more steps: suite keys"},
-                  {"pile", "--outline", "in the bases above"},
-                  {"pile", "--disks", "in the bases above"},
                   {"pile", "-o", "a folder: suite tables"},
                   {"pile", "--force", "suite cli"},
                   {"bench", "--width", "times are not compared"},
@@ -182,8 +177,6 @@ static void write_fixtures(void)
     write_file("piles.tsv", print_piles);
     write_text("bent.tsv", "# x\ty\tse\n1\t1\t0.1\n2\t2.1\t0.1\n3\t2.9\t0.1\n4\t4.3\t0.1\n");
     write_text("flat.tsv", "# x\ty\n1\t1\n2\t1.3\n3\t0.9\n1\t1.1\n2\t1\n3\t1.4\n");
-    write_text("outline.tsv", "# x\ty\n0\t0\n4\t3\n9\t0\n");
-    write_text("disks.tsv", "# x\ty\n0\t0.5\n1\t0.5\n2\t0.5\n0.5\t1.366025\n1.5\t1.366025\n1\t2.23205\n");
     write_text("start.tsv", "# x\ty\tr\n0.1\t0.1\t0.1\n0.3\t0.1\t0.1\n0.2\t0.274\t0.1\n");
     write_text("t.tsv", "# v_mean\tv_se\tn\n20.5\t0.1\t101\n");
     static const char *const rest = "\t1\t20\t2\tt v\t-\ta\t-\n"
