@@ -163,7 +163,7 @@ static void test_idle_options(void)
 static void test_terminal(void)
 {
     if (shell("script -qec true typed </dev/null >out 2>err") != 0) {
-        check_skip("no terminal of script(1): progress of a pile");
+        check_skip_test("no terminal of script(1): progress of a pile");
     } else {
         SHELL("export REPOSE; script -qec '$REPOSE pile --base 4 --eps 1e-3 >rows' typed </dev/null >out");
         CU_ASSERT_STRING_EQUAL(out, "\r\033[K");
