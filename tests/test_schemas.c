@@ -170,17 +170,6 @@ static size_t values_of(const rp_param *p, char value[MOST][128])
     return n;
 }
 
-/* A number just beyond an end of the range, "" for none that a text can have. */
-static const char *beyond(const rp_param *p, bool upper)
-{
-    char *middle;
-    if ((p->type != RP_REAL && p->type != RP_INT) || !strchr("[(", *p->range)) return "";
-    const double lo = strtod(p->range + 1, &middle), hi = strtod(middle + 1, NULL), at = upper ? hi : lo;
-    if (isinf(at) || fabs(at) > 2e9) return "";
-    return check_text(p->type == RP_INT ? "%.0f" : "%.9f",
-                      at + (upper ? 1.0 : -1.0) * (p->type == RP_INT ? 1.0 : 1e-3 * fmax(1.0, fabs(at))));
-}
-
 static XXH128_hash_t bases[TEXTS];
 
 /* All values that are taken at the place make different keys. True: some are. */
@@ -204,7 +193,7 @@ static bool check_place(size_t text, const char *path, const char *group, const 
                          "text %zu: %s%s = %s and %s: %s", text, path, p->name, value[taken[i]],
                          value[taken[j]], exempt_here ? "another run, and exempt" : "the same run");
     for (int upper = 0; upper < 2; upper++) {
-        const char *far = beyond(p, upper);
+        const char *far = beyond_range(p, upper);
         if (!*far || n == 0) continue;
         const bool refused = !key_of_change(text, check_text("%s%s=%s", path, p->name, far), key);
         CHECK_OR_SAY(refused && strstr(rp_message(), check_text("%s = ", p->name)) &&
