@@ -12,10 +12,10 @@ CFLAGS  := -std=c11 -O3 -ffp-contract=off -fno-math-errno -pthread -Wall -Wextra
 CPPFLAGS := -D_GNU_SOURCE -Isrc -I. $(if $(SAN),,-D_FORTIFY_SOURCE=2)
 # Debian packages that the project needs, for `setup`. Work waits for it when both are asked for, and so pkg-config runs inside recipes.
 PACKAGES := g++ pkg-config libgsl-dev libcunit1-dev gnuplot-nox libconfig-dev libsqlite3-dev \
-            librandom123-dev libsuitesparse-dev libxxhash-dev libjansson-dev zlib1g-dev fonts-dejavu-core pngquant \
+            librandom123-dev libsuitesparse-dev libxxhash-dev libjansson-dev fonts-dejavu-core pngquant \
             clang-format python3 python3-pandas sqlite3 lammps
 SETUP_FIRST := $(filter setup,$(MAKECMDGOALS))
-PKGS     := gsl libconfig sqlite3 libxxhash jansson zlib
+PKGS     := gsl libconfig sqlite3 libxxhash jansson
 $(if $(filter setup help clean uninstall,$(MAKECMDGOALS))$(shell pkg-config --exists $(PKGS) && echo y),,$(error packages are missing: `make setup` installs them))
 LIBS      = $$(pkg-config --libs $(PKGS)) -lcholmod -lm $(if $(SAN),,-pie -Wl,-z,relro,-z,now)
 # module=prefix of its exported names; dependents before what they depend on. A module's rooms stand in tests/rooms.txt.

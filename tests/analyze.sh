@@ -8,7 +8,7 @@ sh tests/setup.sh clang clang-tidy clang-tools cppcheck valgrind || exit 1
 mkdir -p "$build/analyze"
 found=$build/analyze/found
 : >"$found.raw"
-flags="-include tests/analyze.h -D_GNU_SOURCE -Isrc -I. -std=c11 -w $(pkg-config --cflags gsl libconfig sqlite3 libxxhash jansson zlib)"
+flags="-include tests/analyze.h -D_GNU_SOURCE -Isrc -I. -std=c11 -w $(pkg-config --cflags gsl libconfig sqlite3 libxxhash jansson)"
 files=$(ls src/*/*.c src/*/*/*.c analytic/*.c report/*.c sweeps/*/*.c | grep -v core/status.c)
 checks='-*,bugprone-*,-bugprone-easily-swappable-parameters'
 checks="$checks,-bugprone-narrowing-conversions,-bugprone-implicit-widening-of-multiplication-result,-bugprone-macro-parentheses"

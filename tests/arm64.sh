@@ -9,7 +9,7 @@ native=build/repose home=build/arm64 root=build/arm64/root
     exit 1
 }
 libraries=$(printf '%s:arm64,' libgsl-dev libconfig-dev libsqlite3-dev libsuitesparse-dev libxxhash-dev \
-    libjansson-dev zlib1g-dev libcunit1-dev)
+    libjansson-dev libcunit1-dev)
 if [ ! -e $home/made ]; then
     echo "arm64   Debian's packages, 1 GB" && rm -rf $root && mkdir -p $root
     mmdebstrap --quiet --variant=apt --architectures=amd64,arm64 bookworm $root \

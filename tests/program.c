@@ -297,3 +297,13 @@ bool equal_tables(const char *name_a, const char *name_b)
     for (size_t i = 0; equal && i < a.n_rows * a.n_columns; i++) equal = strcmp(a.cells[i], b.cells[i]) == 0;
     return equal;
 }
+
+const char *beyond_range(const rp_param *p, bool upper)
+{
+    char *middle;
+    if ((p->type != RP_REAL && p->type != RP_INT) || !strchr("[(", *p->range)) return "";
+    const double lo = strtod(p->range + 1, &middle), hi = strtod(middle + 1, NULL), at = upper ? hi : lo;
+    if (isinf(at) || fabs(at) > 2e9) return "";
+    return check_text(p->type == RP_INT ? "%.0f" : "%.9f",
+                      at + (upper ? 1.0 : -1.0) * (p->type == RP_INT ? 1.0 : 1e-3 * fmax(1.0, fabs(at))));
+}

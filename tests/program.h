@@ -3,6 +3,7 @@
 #ifndef PROGRAM_H
 #define PROGRAM_H
 
+#include "params/params.h"
 #include "table/table.h"
 #include "tests/check.h"
 #include "tests/folder.h"
@@ -128,6 +129,9 @@ typedef struct {
 #define CHECK_CELLS(...)                                                                                     \
     check_cells(__LINE__, sizeof((cell_says[]){__VA_ARGS__}) / sizeof(cell_says), (cell_says[]){__VA_ARGS__})
 void check_cells(int line, size_t n, const cell_says cells[]);
+
+/* A number just beyond an end of a parameter's range, "" for none that can be typed. */
+const char *beyond_range(const rp_param *p, bool upper);
 
 /* The same rows and columns, as text. */
 bool equal_tables(const char *name_a, const char *name_b);

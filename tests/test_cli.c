@@ -87,7 +87,6 @@ static void test_wrong_usage(void)
         {64, "t: stands twice", "stats fit a t t -x x -y y"},
         {64, "--json is of standard output", "sweep export d --json -o f.json"},
         {64, "unknown command \"frob\"", "angle frob"},
-        {64, "--piles needs --disorder", "pile --base 9 --piles 2"},
         {64, "--threshold can't be combined with --o; it allows the outline",
          "pile --base 9 --eps 1e-4 --threshold -o d"},
         {64, "angle --help", "angle"},

@@ -16,7 +16,6 @@
     X(readme, "README.md")                                                                                   \
     X(first_pile, "docs/first-pile.md")                                                                      \
     X(grains, "docs/grains.md")                                                                              \
-    X(guarantees, "docs/guarantees.md")                                                                      \
     X(install, "docs/install.md")                                                                            \
     X(performance, "docs/performance.md")                                                                    \
     X(physics, "docs/physics.md")                                                                            \
@@ -169,16 +168,37 @@ static void page(const char *path)
     leave();
 }
 
-/* The sanitizers see these commands in other suites; here they would take minutes. */
 #define X(name, path)                                                                                        \
     static void name(void)                                                                                   \
     {                                                                                                        \
-        if (!check_fast()) page(path);                                                                       \
+        if (!CHECK_SKIPS("a page takes minutes, and other suites run its commands")) page(path);             \
     }
 PAGES(X)
 #undef X
 
-/* Every file that a line links to exists, seen from the page's folder. */
+/* Whether a page has this anchor, or a heading of which it is made: lower case, words joined by -. */
+static bool has_anchor(const char *page, const char *anchor)
+{
+    char *line = NULL;
+    size_t size = 0;
+    bool has = false;
+    FILE *file = fopen(page, "r");
+    while (file && !has && getline(&line, &size, file) > 0) {
+        char *from = line + strspn(line, "#"), *to = line;
+        has = strstr(line, check_text("<a id=\"%s\"></a>", anchor)) != NULL;
+        if (from == line || has) continue;
+        for (from += *from == ' '; *from && *from != '\n'; from++)
+            if (isalnum((unsigned char)*from) || strchr(" -_", *from))
+                *to++ = *from == ' ' ? '-' : (char)tolower((unsigned char)*from);
+        *to = '\0';
+        has = strcmp(line, anchor) == 0;
+    }
+    if (file) fclose(file);
+    free(line);
+    return has;
+}
+
+/* Every file that a line links to exists, seen from the page's folder, and so does the heading in it. */
 static bool links_exist(const char *page, char *line)
 {
     const char *slash = strrchr(page, '/');
@@ -186,9 +206,11 @@ static bool links_exist(const char *page, char *line)
     bool right = true;
     for (char *to; right && (to = strstr(line, "]("));) {
         to += 2, line = to + strcspn(to, ")#");
-        const char *path = check_text("%.*s%.*s", folder, page, (int)(line - to), to);
-        right = strncmp(to, "http", 4) == 0 || line == to || access(path, R_OK) == 0;
-        if (!right) fprintf(stderr, "%s: no file %s\n", page, path);
+        const char *path = line == to ? page : check_text("%.*s%.*s", folder, page, (int)(line - to), to);
+        const char *anchor = *line == '#' ? check_text("%.*s", (int)strcspn(line + 1, ")"), line + 1) : NULL;
+        right =
+            strncmp(to, "http", 4) == 0 || (access(path, R_OK) == 0 && (!anchor || has_anchor(path, anchor)));
+        if (!right) fprintf(stderr, "%s: no %s%s%s\n", page, path, anchor ? "#" : "", anchor ? anchor : "");
     }
     return right;
 }
@@ -215,6 +237,19 @@ static void every_command(void)
 {
     file_lines("docs/*.md", check_line);
     file_lines("README.md", check_line);
+    file_lines("paper-repro.md", check_line);
+}
+
+/* The suites that the promises name are suites. */
+static void promises(void)
+{
+    make_folder();
+    SHELL("cd page && tr '\\n' ' ' <docs/guarantees.md | grep -o 'Suites: [^.]*\\.' >../suites && "
+          "[ $(wc -l <../suites) = $(grep -c '^[0-9]*\\. ' docs/guarantees.md) ] && "
+          "grep -o '`[^`]*`' ../suites | tr -d '`' | while read -r s; do "
+          "grep -qE \"^CHECK_SUITE[A-Z_]*\\\\($s,\" tests/*.c validation/*.c || "
+          "{ echo \"no suite $s\"; exit 1; }; done");
+    leave();
 }
 
 static bool same(const char *shown, const char *output)
@@ -239,5 +274,5 @@ static void comparison(void)
     CU_ASSERT_FALSE(same("a\n...\nd\n", "a\nd\ne\n"));
 }
 
-CHECK_SUITE(docs, "docs", comparison, every_command, readme, first_pile, grains, guarantees, install,
+CHECK_SUITE(docs, "docs", comparison, every_command, promises, readme, first_pile, grains, install,
             performance, physics, programs, scenes, sweeps)

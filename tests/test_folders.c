@@ -86,7 +86,7 @@ static void test_forced(void)
     static const char *const commands[] = {
         "export r --to csv -o a",    "export r --to vtk -o a.pvd", "export s.cfg --to lammps-input -o a.in",
         "view r -o a.svg",           "sweep export w -o a",        "sweep slurm w --shards 2",
-        "bench -n 9 --steps 1 -o a", "export r --to xyz -o a"};
+        "bench -n 9 --steps 1 -o a", "export r --to lammps -o a"};
     for (size_t k = 0; k < sizeof commands / sizeof *commands; k++)
         for (int again = 0; again < 2; again++) {
             SHELL("rm -f notes && echo notes >notes && ln -sf notes a");

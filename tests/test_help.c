@@ -2,7 +2,6 @@
  * commands' own words and schemas. */
 #include <jansson.h>
 
-#include "cli/cli.h"
 #include "params/expression.h"
 #include "params/units.h"
 #include "core/version.h"
@@ -10,6 +9,7 @@
 #include "report/pages.h"
 #include "sweeps/engine/experiment.h"
 #include "tests/program.h"
+#include "tests/verbs.h"
 
 /* ---- a text line by line ---- */
 
@@ -71,41 +71,6 @@ static const char *text_of(const rp_param *p, char text[1024])
     if (!p->fallback) n += sprintf(text + n, " (required)");
     if (p->fallback && *p->fallback && p->type != RP_BOOL) sprintf(text + n, " (default %s)", p->fallback);
     return text;
-}
-
-/* Options of a command, as they are typed: those of its protocol, its own, that of all tables. */
-typedef struct {
-    char typed[40];
-    const rp_param *p;
-} option;
-
-static size_t options_of(const cli_command *c, option options[64])
-{
-    static const rp_param json = {.name = "json",
-                                  .unit = "",
-                                  .type = RP_BOOL,
-                                  .fallback = "false",
-                                  .meaning = "print the table as JSON: header lines, units, and rows as "
-                                             "objects; nan as null"};
-    const rp_param *lists[] = {c->protocol, c->options ? c->options() : NULL,
-                               !c->prints_text ? (const rp_param[]){json, {0}} : NULL};
-    size_t n = 0;
-    for (size_t k = 0; k < 3; k++)
-        for (const rp_param *p = lists[k]; p && p->name; p++, n++) {
-            sprintf(options[n].typed, "%s%s", p->name[1] ? "--" : "-", p->name);
-            for (char *c_now = options[n].typed; (c_now = strchr(c_now, '_'));) *c_now = '-';
-            options[n].p = k < 2 ? p : &json;
-        }
-    return n;
-}
-
-/* Each command, those of groups too. */
-static void each(const cli_command *const *c, void (*check)(const cli_command *))
-{
-    for (; *c; c++) {
-        check(*c);
-        if ((*c)->group) each((*c)->group, check);
-    }
 }
 
 /* ---- help ---- */
@@ -203,54 +168,6 @@ static void test_help(void)
         SHELL("export REPOSE; script -qec 'stty cols 100; $REPOSE calibrate --help; COLUMNS=70 $REPOSE "
               "calibrate --help' typed </dev/null >out; tr -d '\\r' <out >said; for c in 100 70; do "
               "COLUMNS=$c \"$REPOSE\" calibrate --help; done >wanted; cmp said wanted >out");
-}
-
-/* Where help says an order, it is that of the output. */
-static void test_orders(void)
-{
-    static const struct {
-        const cli_command *command;
-        const char *words;
-    } orders[] = {{&cmd_params, "with unit, type, default, range and meaning"},
-                  {&cmd_params, "the members of, kind, name, unit, type, default, range and meaning"},
-                  {&cmd_export, "JSON is { notes, units, rows: [{column: value}] }"},
-                  {&cmd_export, "LAMMPS: radius, mass, vx vy vz, omegaz"},
-                  {&cmd_export, "a table of grains (x, y, r) too"},
-                  {&cmd_view, "with columns x, y, r."},
-                  {&report_page, "in short: paper, here, verdict\n"}};
-    for (size_t k = 0; k < sizeof orders / sizeof *orders; k++)
-        CHECK_PARTS(orders[k].command->about, orders[k].words);
-}
-
-/* Is there a row of CHANGELOG.md with both? The second is read to its first comma or semicolon. */
-static bool is_told_of(const char *changes, const char *name, const char *instead)
-{
-    char line[MOST], plain[MOST];
-    const char *first = check_text("%.*s", (int)strcspn(instead, ",;"), instead);
-    while (next_line(&changes, line)) {
-        char *to = plain;
-        for (const char *c = line; *c; c++)
-            if (*c != '`') *to++ = *c;
-        *to = '\0';
-        if (*line == '|' && strstr(plain, name) && strstr(plain, first)) return true;
-    }
-    return false;
-}
-
-/* What an older version had answers with what to use instead, as CHANGELOG.md has it. */
-static void test_removed(void)
-{
-    scoped char *changes = NULL;
-    CHECK_OK(rp_file_read("CHANGELOG.md", &changes));
-    for (const cli_removed *r = cli_repose.removed; r->name; r++) {
-        const char *dashes = strstr(r->name, " --");
-        const char *expected = check_text("%s of 0.1.0 is gone; instead: %s\n", r->name, r->instead);
-        FAILS(64, expected, "%s", r->name);
-        if (dashes) FAILS(64, expected, "%s=3", r->name);
-        CU_ASSERT(is_told_of(changes, dashes ? dashes + 1 : r->name, r->instead));
-    }
-    FAILS(64, "unknown option --plot", "view --plot");
-    FAILS(64, "unknown option --plo;", "run --plo");
 }
 
 static rp_status nothing(cli_call *call, const void *values)
@@ -711,5 +628,5 @@ static void test_params_json(void)
     rows = NULL;
 }
 
-CHECK_SUITE_WITHIN(help, "help", enter, leave, test_help, test_orders, test_removed, test_room,
-                   test_arguments, test_manual, test_completion, test_params, test_params_json)
+CHECK_SUITE_WITHIN(help, "help", enter, leave, test_help, test_room, test_arguments, test_manual,
+                   test_completion, test_params, test_params_json)

@@ -2,8 +2,9 @@
  * is parsed and then ignored fails here, and so does a new option without a line below. */
 #include <jansson.h>
 
-#include "cli/cli.h"
+#include "report/pages.h"
 #include "tests/program.h"
+#include "tests/verbs.h"
 
 /* A command on the fixtures, and options to add, each by itself. */
 static const struct {
@@ -40,12 +41,9 @@ static const struct {
      "--base 8|--eps 2e-3|--alpha-deg 30|--gap 0.01|--disorder 0.01|--k-x 0.5|--summary|--threshold"},
     {"pile", "--base 9 --eps 1e-3 --alpha-deg 30 --inner-deg 45", "--inner-deg 40|--x-1 0.3"},
     {"pile", "--base 9 --alpha-deg 30 --well 0.3 --mu 0.2 --eps 1e-3", "--well 0.4|--mu 0.25|--set-load 0.5"},
-    {"pile", "--base 9 --alpha-deg 30 --disorder 0.02", "--seed 4|--piles 3"},
+    {"pile", "--base 9 --alpha-deg 30 --disorder 0.02", "--seed 4"},
     {"pile", "--base 12 --eps 5e-3", "--branch minimum"},
     {"pile", "--base 12 --eps 5e-3 --branch minimum", "--leave 1"},
-    {"pile", "--outline outline.tsv --base 6", "--base 7|--disorder 0.01"},
-    {"pile", "--outline outline.tsv --base 6 --disorder 0.01", "--seed 4"},
-    {"pile", "--disks disks.tsv", "--eps 1e-3"},
     {"report claims", "--claims claims.tsv --tables .",
      "--claims other.tsv|--tables nowhere|--paper li|--id angle|--variants"},
     {"bench", "-n 9 --steps 10 --repeat 1", "-n 10|--steps 11|--start start.tsv|--size-ratio 5"}};
@@ -63,8 +61,6 @@ static const struct {
                   {"lattice", "--method", "a second way to the same numbers: suite analytic"},
                   {"pile", "--set-again", "needs wells that break: suite keys"},
                   {"pile", "--load-steps", "the same state, in more steps: suite keys"},
-                  {"pile", "--outline", "in the bases above"},
-                  {"pile", "--disks", "in the bases above"},
                   {"pile", "-o", "a folder: suite tables"},
                   {"pile", "--force", "suite cli"},
                   {"bench", "--width", "times are not compared"},
@@ -182,8 +178,6 @@ static void write_fixtures(void)
     write_file("piles.tsv", print_piles);
     write_text("bent.tsv", "# x\ty\tse\n1\t1\t0.1\n2\t2.1\t0.1\n3\t2.9\t0.1\n4\t4.3\t0.1\n");
     write_text("flat.tsv", "# x\ty\n1\t1\n2\t1.3\n3\t0.9\n1\t1.1\n2\t1\n3\t1.4\n");
-    write_text("outline.tsv", "# x\ty\n0\t0\n4\t3\n9\t0\n");
-    write_text("disks.tsv", "# x\ty\n0\t0.5\n1\t0.5\n2\t0.5\n0.5\t1.366025\n1.5\t1.366025\n1\t2.23205\n");
     write_text("start.tsv", "# x\ty\tr\n0.1\t0.1\t0.1\n0.3\t0.1\t0.1\n0.2\t0.274\t0.1\n");
     write_text("t.tsv", "# v_mean\tv_se\tn\n20.5\t0.1\t101\n");
     static const char *const rest = "\t1\t20\t2\tt v\t-\ta\t-\n"
@@ -248,33 +242,88 @@ static void check_line(size_t i)
     }
 }
 
-static bool has_word(const char *text, const char *option)
+static bool has_word(const char *text, const char *typed)
 {
-    const size_t n = strlen(option);
-    for (const char *at = text; (at = strstr(at, option)); at += n)
+    const size_t n = strlen(typed);
+    for (const char *at = text; (at = strstr(at, typed)); at += n)
         if ((at == text || at[-1] == '|') && (at[n] == ' ' || at[n] == '|' || !at[n])) return true;
     return false;
 }
 
-/* Every option in the help of the command stands in a line or among the exceptions. */
-static void check_covered(const char *command)
+static bool by_report; /* the program of a command: `report`, not `repose` */
+
+/* The commands of both programs. */
+static void each_of_both(void (*check)(const cli_command *))
 {
-    char *text, *rest, *line, option[64];
-    CU_ASSERT(run_command(command, "--help") == 0);
-    text = rest = strdup(out);
-    while ((line = strsep(&rest, "\n"))) {
-        if (strncmp(line, "  -", 3) != 0 || sscanf(line, "%63s", option) != 1 ||
-            strcmp(option, "--help") == 0 || strcmp(option, "--json") == 0)
-            continue;
-        bool covered = false;
+    by_report = false;
+    each(cli_repose.commands, check);
+    by_report = true;
+    each(report_commands, check);
+}
+
+/* Every option of a command that stands in a line stands there too, or among the exceptions. */
+static void check_covered(const cli_command *c)
+{
+    option options[64];
+    const size_t n = c->group ? 0 : options_of(c, options);
+    const char *command = check_text("%s%s", by_report ? "report " : "", c->name);
+    bool has_line = false;
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
+        has_line |= strcmp(lines[i].command, command) == 0;
+    for (size_t k = 0; k < n && has_line; k++) {
+        const char *typed = options[k].typed;
+        bool covered = strcmp(typed, "--json") == 0;
         for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
-            covered |= strcmp(lines[i].command, command) == 0 && has_word(lines[i].changes, option);
+            covered |= strcmp(lines[i].command, command) == 0 && has_word(lines[i].changes, typed);
         for (size_t i = 0; i < sizeof exceptions / sizeof *exceptions; i++)
             covered |=
-                strcmp(exceptions[i].command, command) == 0 && strcmp(exceptions[i].option, option) == 0;
-        CHECK_OR_SAY(covered, "repose %s: no line changes %s", command, option);
+                strcmp(exceptions[i].command, command) == 0 && strcmp(exceptions[i].option, typed) == 0;
+        CHECK_OR_SAY(covered, "repose %s: no line changes %s", command, typed);
     }
-    free(text);
+}
+
+/* ---- values that are refused ---- */
+
+static rp_status accepted(cli_call *call, const void *values)
+{
+    (void)call, (void)values;
+    return RP_OK;
+}
+
+static void refused(const cli_command *c, const option *o, const char *value, const char *text)
+{
+    char name[64], typed[64], given[64];
+    cli_command idle = *c;
+    RP_SCOPE(arena);
+    cli_call call = {.arena = &arena, .program = &cli_repose};
+    idle.act = accepted;
+    snprintf(name, sizeof name, "%s", c->name);
+    snprintf(typed, sizeof typed, "%s", o->typed), snprintf(given, sizeof given, "%s", value);
+    const rp_status status = cli_run(&call, &idle, 3, (char *[]){name, typed, given, NULL});
+    CHECK_OR_SAY(status == RP_BAD_INPUT && strstr(rp_message(), check_text("%s = %s", typed, text)),
+                 "%s %s %s: %s", name, typed, value, status ? rp_message() : "is taken");
+}
+
+/* Every option says what it takes: no number beyond its range, no fraction where it counts, no other word. */
+static void check_refusals(const cli_command *c)
+{
+    option options[64];
+    const size_t n = c->group ? 0 : options_of(c, options);
+    for (const option *o = options; o < options + n; o++) {
+        for (int upper = 0; upper < 2; upper++) {
+            const char *far = beyond_range(o->p, upper);
+            if (*far) refused(c, o, far, check_text("%.15g: out of range, allowed: ", strtod(far, NULL)));
+        }
+        if (o->p->type == RP_INT) refused(c, o, "4.5", "4.5: a whole number expected");
+        if (o->p->type == RP_REAL) refused(c, o, "nan", "\"nan\"");
+        if (o->p->type == RP_REAL) refused(c, o, "steep", "\"steep\": a number");
+        if (o->p->type == RP_CHOICE) refused(c, o, "frob", "\"frob\": unknown word, allowed: ");
+    }
+}
+
+static void test_refusals(void)
+{
+    each_of_both(check_refusals);
 }
 
 /* A cell of a table, and its value in JSON. */
@@ -308,29 +357,6 @@ static void check_json(const char *command, const char *base)
     json_decref(all);
 }
 
-/* The parameters as objects are those that are printed, each with its unit, default and range. */
-static void check_params(const char *command)
-{
-    size_t n = 0;
-    CU_ASSERT(run("%s", command) == 0);
-    char *text = strdup(out), *rest = text, *line;
-    CU_ASSERT(run("%s --json", command) == 0);
-    json_t *all = json_loads(out, 0, NULL), *rows = json_object_get(all, "rows");
-    while ((line = strsep(&rest, "\n"))) {
-        char name[64];
-        if (*line != ' ' || sscanf(line, "%63s", name) != 1) continue;
-        json_t *row = json_array_get(rows, n++);
-        const char *meaning = json_string_value(json_object_get(row, "meaning")),
-                   *unit = json_string_value(json_object_get(row, "unit"));
-        const bool same = row && !strcmp(json_string_value(json_object_get(row, "name")), name) && unit &&
-                          strstr(line, unit) && meaning && strstr(line, meaning);
-        CHECK_OR_SAY(same, "repose %s --json: row %zu is not %s", command, n, line);
-    }
-    CU_ASSERT(n > 20 && n == json_array_size(rows));
-    json_decref(all);
-    free(text);
-}
-
 static void test_json(void)
 {
     write_fixtures();
@@ -341,8 +367,6 @@ static void test_json(void)
         write_text("fit.cfg", FIT, k ? 60.0 : 15.0);
         check_json("calibrate", "fit.cfg");
     }
-    check_params("params repose --units si");
-    check_params("params scene");
     FAILS(65, "no column", "stats trend runs.tsv -x none -y theta --json");
     CU_ASSERT_STRING_EQUAL(out, "");
     FAILS(64, "unknown option --json", "help --json");
@@ -351,13 +375,8 @@ static void test_json(void)
 static void test_options(void)
 {
     write_fixtures();
-    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
-        check_line(i);
-        if (i == 0 || strcmp(lines[i].command, lines[i - 1].command) != 0) check_covered(lines[i].command);
-    }
-    const cli_command *const *const groups[] = {cmd_stats.group, cmd_stress.group, cmd_angle.group};
-    for (size_t g = 0; g < 3; g++)
-        for (const cli_command *const *c = groups[g]; *c; c++) check_covered((*c)->name);
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) check_line(i);
+    each_of_both(check_covered);
 }
 
 /* ---- rows without a result ---- */
@@ -413,4 +432,4 @@ static void test_failed_runs(void)
     }
 }
 
-CHECK_SUITE_WITHIN(options, "options", enter, leave, test_options, test_json, test_failed_runs)
+CHECK_SUITE_WITHIN(options, "options", enter, leave, test_options, test_refusals, test_json, test_failed_runs)

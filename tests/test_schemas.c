@@ -166,17 +166,6 @@ static size_t values_of(const rp_param *p, char value[MOST][128])
     return n;
 }
 
-/* A number just beyond an end of the range, "" for none that a text can have. */
-static const char *beyond(const rp_param *p, bool upper)
-{
-    char *middle;
-    if ((p->type != RP_REAL && p->type != RP_INT) || !strchr("[(", *p->range)) return "";
-    const double lo = strtod(p->range + 1, &middle), hi = strtod(middle + 1, NULL), at = upper ? hi : lo;
-    if (isinf(at) || fabs(at) > 2e9) return "";
-    return check_text(p->type == RP_INT ? "%.0f" : "%.9f",
-                      at + (upper ? 1.0 : -1.0) * (p->type == RP_INT ? 1.0 : 1e-3 * fmax(1.0, fabs(at))));
-}
-
 static XXH128_hash_t bases[TEXTS];
 
 /* All values that are taken at the place make different keys. True: some are. */
@@ -200,7 +189,7 @@ static bool check_place(size_t text, const char *path, const char *group, const 
                          "text %zu: %s%s = %s and %s: %s", text, path, p->name, value[taken[i]],
                          value[taken[j]], exempt_here ? "another run, and exempt" : "the same run");
     for (int upper = 0; upper < 2; upper++) {
-        const char *far = beyond(p, upper);
+        const char *far = beyond_range(p, upper);
         if (!*far || n == 0) continue;
         const bool refused = !key_of_change(text, check_text("%s%s=%s", path, p->name, far), key);
         CHECK_OR_SAY(refused && strstr(rp_message(), check_text("%s = ", p->name)) &&
@@ -336,7 +325,26 @@ static void values(void)
     }
 }
 
-/* ---- a scene that is written ---- */
+/* ---- a text, and a scene, that are written ---- */
+
+/* As dem_text_write writes it the text is the same run, and is written the same again. */
+static void texts_written(void)
+{
+    read_bases();
+    for (size_t t = 0; t < TEXTS; t++) {
+        RP_ENDS(dem_text_close) dem_text text, again;
+        XXH128_hash_t key;
+        CHECK_OK(open_text(t, "rest.energy=1.2345678901234567e-3", &text));
+        CHECK_WRITTEN(first, to, dem_text_write(&text, 7, 3, to));
+        CHECK_OK(dem_text_open("written", first, NULL, &again));
+        CHECK_WRITTEN(second, to_second, dem_text_write(&again, 7, 3, to_second));
+        CU_ASSERT_STRING_EQUAL(first, second);
+        CU_ASSERT(strstr(first, "seed = 7;") && strstr(first, "run = 3;"));
+        CU_ASSERT(read_key(&text, &key) && !XXH128_isEqual(key, bases[t]));
+        bases[t] = key;
+        CU_ASSERT(read_key(&again, &key) && XXH128_isEqual(key, bases[t]));
+    }
+}
 
 static dem_sim *sim_of(const dem_scene *scene)
 {
@@ -389,4 +397,4 @@ static void tables(void)
                                          {text, "bed/states", "other/states", "another"}});
 }
 
-CHECK_SUITE_WITHIN(schemas, "schemas", enter, leave, schemas, values, written, tables)
+CHECK_SUITE_WITHIN(schemas, "schemas", enter, leave, schemas, values, texts_written, written, tables)

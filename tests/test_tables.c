@@ -410,42 +410,6 @@ static void test_pile(void)
     check_base(&b, &w);
 }
 
-/* Means over piles with unequal disks: each pile alone is a run of a sweep with the same stream. */
-static void test_ensemble(void)
-{
-    enum { PILES = 3 };
-    static const char *const columns[][2] = {{"N/mg", "N_se/mg"}, {"H/mg", "H_se/mg"}};
-    checked each[PILES];
-    write_text("s.cfg",
-               "protocol = \"pile\"; replicas = %d; seed = 5; piles = \"shared\";\n"
-               "fixed = { base = 4; eps = 1e-3; gap = 0.1; disorder = 2e-3; };\n",
-               PILES);
-    for (int r = 0; r < PILES; r++) {
-        GOOD("run s.cfg --row %d -o d%d", r, r);
-        each[r] = checked_read(check_text("d%d/base.tsv", r));
-    }
-    checked c =
-        CHECKED_RUN(BASE, "pile --base 4 --eps 1e-3 --gap 0.1 --disorder 2e-3 --seed 5 --piles %d", PILES);
-    for (size_t i = 0; i < BASE; i++) {
-        for (int q = 0; q < 2; q++) {
-            double v[PILES];
-            stats_summary s;
-            for (int r = 0; r < PILES; r++) v[r] = at(&each[r], i, columns[q][0]);
-            CHECK_OK(stats_mean(PILES, v, &s));
-            CHECK_PAIRS(1e-13, {at(&c, i, columns[q][0]), s.mean}, {at(&c, i, columns[q][1]), s.se});
-        }
-        const double width = at(&c, i, "N/mg") / at(&c, i, "N/(chi*g*B)");
-        CHECK_NEAR(at(&c, i, "x/B"), 0.5 + 1.1 * ((double)i - 0.5 * (BASE - 1.0)) / width, 1e-13);
-        NEAR_RELATIVE(at(&c, i, "N_se/(chi*g*B)") * width, at(&c, i, "N_se/mg"), 1e-13);
-        NEAR_RELATIVE(at(&c, i, "H/(chi*g*B)") * width, at(&c, i, "H/mg"), 1e-13);
-        NEAR_RELATIVE(at(&c, i, "H_se/(chi*g*B)") * width, at(&c, i, "H_se/mg"), 1e-13);
-        CHECK_EACH(at(&c, i, NAME), 0.0, {"N_diagonals/mg", at(each, i, "N_diagonals/mg")},
-                   {"H_diagonals/mg", at(each, i, "H_diagonals/mg")}, {"i", (double)i + 1.0});
-    }
-    checked_end(&c);
-    for (int r = 0; r < PILES; r++) rp_table_free(&each[r].t);
-}
-
 /* ---- runs of a sweep ---- */
 
 /* Every row of the exported runs is the run made again; every column of the reduced table comes from them. */
@@ -973,5 +937,5 @@ static void test_systems_of_sweeps(void)
 }
 
 CHECK_SUITE_WITHIN(tables, "tables", enter, leave, test_scene, test_walls, test_units, test_systems,
-                   test_systems_of_sweeps, test_ledger, test_pile, test_ensemble, test_sweep, test_compare,
-                   test_failed, test_fits, test_groups, test_correlations, test_models, test_continuum)
+                   test_systems_of_sweeps, test_ledger, test_pile, test_sweep, test_compare, test_failed,
+                   test_fits, test_groups, test_correlations, test_models, test_continuum)

@@ -73,7 +73,7 @@ static size_t count_strokes(const char *color)
 
 static const char OUTLINE[] = "rgb(168, 168, 168)", GRAIN[] = "rgb(238, 238, 238)",
                   STRONGEST[] = "rgb(  8,  24,  58)", WALL[] = "rgb( 64,  64,  64)",
-                  PULL[] = "rgb(213,  94,   0)", PRESS[] = "rgb(  0, 114, 178)";
+                  PULL[] = "rgb(213,  94,   0)";
 
 /* Three grains of different radii on a floor, SI units: forces of 6 and 0.5 N between them, 12 N below. */
 static void write_pile(void)
@@ -148,42 +148,6 @@ static void test_forces(void)
           "grep -q 'step 7, t = 0.5 s, 3 grains' a.svg");
 }
 
-/* Walls without end reach from border to border of the window: a level one, an upright one, and two that
- * slope, of which each end lies on one of the borders. */
-static void test_slopes(void)
-{
-    write_pile();
-    write_text("walls.tsv",
-               "step\tt\twall\tx\ty\tdirection_x\tdirection_y\tfrom\tto\n"
-               "7\t0.5\t1\t0\t0\t0\t1\t-inf\tinf\n7\t0.5\t2\t2\t1\t1\t0\t-inf\tinf\n"
-               "7\t0.5\t3\t1\t1\t0.6\t0.8\t-inf\tinf\n7\t0.5\t4\t3\t1\t-0.96\t0.28\t-inf\tinf\n");
-    view_svg(". --window -2,7,-1,4");
-    CU_ASSERT_FATAL(n_circles == 6 && count_strokes(WALL) == 4);
-    const double scale = (circles[1].x - circles[0].x) / 2.5, borders[2][2] = {{-2.0, 7.0}, {-1.0, 4.0}},
-                 least = 0.05; /* lines are wide, and hundredths of a pixel are printed */
-    size_t level = 0, upright = 0, slopes = 0;
-    for (size_t k = 0; k < n_strokes; k++) {
-        const mark *m = &strokes[k];
-        if (strcmp(m->color, WALL) != 0) continue;
-        const double x[] = {(m->x - circles[0].x) / scale, (m->x2 - circles[0].x) / scale},
-                     y[] = {1.0 - (m->y - circles[0].y) / scale, 1.0 - (m->y2 - circles[0].y) / scale};
-        level += fabs(y[0]) < least && fabs(y[1]) < least && fabs(fabs(x[1] - x[0]) - 9.0) < least;
-        upright += fabs(x[0] - 2.0) < least && fabs(fabs(y[1] - y[0]) - 5.0) < least;
-        int at_border = 0;
-        for (int end = 0; end < 2; end++) {
-            const double third = 0.6 * (x[end] - 1.0) + 0.8 * (y[end] - 1.0),
-                         fourth = -0.96 * (x[end] - 3.0) + 0.28 * (y[end] - 1.0);
-            const bool is_on = fabs(third) < least || fabs(fourth) < least;
-            bool is_end = false;
-            for (int b = 0; b < 2; b++)
-                is_end |= fabs(x[end] - borders[0][b]) < least || fabs(y[end] - borders[1][b]) < least;
-            at_border += is_on && is_end;
-        }
-        slopes += at_border == 2 && fabs(x[1] - x[0]) > 1.0 && fabs(y[1] - y[0]) > 1.0;
-    }
-    CU_ASSERT(level == 1 && upright == 1 && slopes == 2);
-}
-
 /* A segment is drawn as far as half the size of the grains' region, whichever side of that is longer. */
 static void test_segment(void)
 {
@@ -213,23 +177,6 @@ static void find_frame(size_t which, double corners[4])
             continue;
         memcpy(corners, (double[]){left->x, base->x2, left->y, left->y2}, 4 * sizeof *corners);
     }
-}
-
-/* Labels left of a frame, which are to be 0, step, 2 step ...: their number, -1 if one is not; heights of the
- * first and of the last. */
-static int count_marks(const double frame[4], double step, double at[2])
-{
-    int n = 0;
-    for (const char *tag = svg; (tag = strstr(tag, "<g transform=\"translate(")); tag++) {
-        double x, y, value;
-        if (sscanf(tag, "<g transform=\"translate(%lf,%lf)\"", &x, &y) != 2 || x > frame[0] || y < frame[2] ||
-            sscanf(strchr(tag, '\n'), " <text><tspan font-family=\"DejaVu Sans\" >%lf", &value) != 1)
-            continue;
-        if (fabs(value - n * step) > 1e-9 * step) return -1;
-        at[n > 0] = y;
-        n++;
-    }
-    return n;
 }
 
 /* The frame is the window, at the grains' scale, with room for labels: on the left 1.8 cm, on the right 0.7
@@ -313,70 +260,6 @@ static double arm(double cell)
     return 0.9 * cell * 15.5 / (28.0 / 3.0);
 }
 
-static void key_is(double largest, double cell)
-{
-    CU_ASSERT(shell_line("grep -q 'principal stress %.4g[ <]' a.svg", largest * 1.6 / arm(cell)) == 0);
-}
-
-/* One force of 12 N along y through a cell of 3 m times 3 m: the stress is 12 N * 1.5 m / 9 m^2 along y and
- * none along x, and the pressure on the base 12 N / 3 m. */
-static void test_stress(void)
-{
-    write_pile();
-    write_press(3.5, 3.5, 12.0);
-    view_svg(". --stress --base --cell 3");
-    CU_ASSERT(count_strokes(PRESS) == 2); /* with the key's */
-    size_t upright = 0;
-    for (size_t k = 0; k < n_strokes; k++) {
-        const mark *m = &strokes[k];
-        if (strcmp(m->color, PRESS) == 0 && m->y == m->y2) /* the key's is of the number beside it */
-            CHECK_PAIRS(0.1, {fabs(m->x2 - m->x), 1.6 * 37.8}, {1.6 * 2.0 / arm(3.0), 0.7137});
-        if (strcmp(m->color, PRESS) != 0 || m->y == m->y2) continue;
-        const double scale = (circles[1].x - circles[0].x) / 2.5;
-        /* in the middle of the force, within the cell: x from 2 to 5 m, y from 0 to 3 m */
-        CHECK_PAIRS(0.02, {m->x, m->x2}, {fabs(m->y2 - m->y), 0.9 * 3.0 * scale},
-                    {m->x - circles[0].x, 3.5 * scale}, {0.5 * (m->y + m->y2) - circles[0].y, 0.25 * scale});
-        upright++;
-    }
-    CU_ASSERT(upright == 1);
-    /* the pressure's axis ends above 4, not above 12 */
-    SHELL("grep -q '> 4<' a.svg && ! grep -q '> 10<' a.svg");
-    key_is(2.0, 3.0);
-    SHELL("grep -q '>pressure' a.svg");
-    SHELL("grep -c 'fill = .rgb(158, 202, 225)' a.svg | grep -qx 1");
-    /* marks of the pressure from 0 at steps of 1, 2 or 5 times a power of ten, four or so; the axis ends at
-     * 1.08 times the largest. The bar over x = 2 to 5 m is as high as the pressure. */
-    static const struct {
-        double force, step;
-        int n;
-    } cases[] = {{12.0, 1.0, 5}, {12.6, 2.0, 3}, {360.0, 50.0, 3}, {1.44, 0.2, 3}, {66.0, 10.0, 3}};
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        double frame[4], bar[4], at[2];
-        write_press(3.5, 3.5, cases[k].force);
-        view_svg(". --stress --base --cell 3");
-        CU_ASSERT(count_strokes(PRESS) == 2 && count_strokes(PULL) == 0); /* however weak, it presses */
-        find_frame(1, frame);
-        const double largest = cases[k].force / 3.0, scale = (circles[1].x - circles[0].x) / 2.5,
-                     height = (frame[3] - frame[2]) / (1.08 * largest);
-        CU_ASSERT_EQUAL(count_marks(frame, cases[k].step, at), cases[k].n);
-        CHECK_NEAR(at[0] - at[1], height * cases[k].step * (cases[k].n - 1), 0.03);
-        const char *points = strstr(svg, "<polygon fill = 'rgb(158, 202, 225)' points = '");
-        CU_ASSERT_FATAL(points && sscanf(strchr(points, '=') + 33, "%lf,%lf %*f,%*f %lf,%lf", &bar[0],
-                                         &bar[1], &bar[2], &bar[3]) == 4);
-        CHECK_NEAR(fabs(bar[2] - bar[0]), 3.0 * scale, 0.05);
-        CHECK_NEAR(fmin(bar[0], bar[2]), circles[0].x + 2.0 * scale, 1.0); /* frames are whole pixels apart */
-        CHECK_NEAR(fabs(bar[3] - bar[1]), height * largest, 0.05);
-    }
-    write_press(3.5, 3.5, 12.0);
-    /* in a single cell, which is the last one too */
-    GOOD("view . -o a.svg --force --stress --cell 20");
-    key_is(0.045, 20.0);
-    /* 12 N along a branch of 2.5 m that leans: 12 * 2.5/400, whatever its direction */
-    write_press(2.5, 0.5, 12.0);
-    GOOD("view . -o a.svg --force --stress --cell 20");
-    key_is(0.075, 20.0);
-}
-
 /* ---- frames ---- */
 
 /* 2 frames of a scene whose right wall rises; the second one is the last. */
@@ -400,16 +283,6 @@ static void test_frames(void)
     SHELL("LC_ALL=C grep -aPq '\\x21\\xf9\\x04.\\x05\\x00' a.gif");
     GOOD("view d -o a.gif --force --frame 1");
     SHELL("LC_ALL=C grep -aob \"$(printf '\\041\\371\\004')\" a.gif | wc -l | grep -qx 1");
-    double top[3];
-    static const char *const frames[] = {"0", "step=50", "last"};
-    for (int k = 0; k < 3; k++) {
-        view_svg(check_text("d --frame %s --window -0.2,1.2,-0.2,0.8", frames[k]));
-        CU_ASSERT_PTR_NOT_NULL(strstr(svg, check_text("step %d, ", 50 * k)));
-        const mark *wall = find_stroke(WALL);
-        CU_ASSERT_FATAL(wall && n_circles == 4 && wall->x == wall->x2);
-        top[k] = fabs(wall->y2 - wall->y) / (circles[1].x - circles[0].x) * 0.2;
-    }
-    CHECK_PAIRS(1e-3, {top[0], 0.5}, {top[1], 0.46}, {top[2], 0.41});
     /* the end of a phase has a frame beside those of an interval, also of a text without a measure */
     SHELL("sed 's/steps = 100;/phases = ( { name = \"one\"; steps = 30; }, { name = \"two\"; steps = 70; } "
           ");/' s.cfg >p.cfg && $REPOSE run p.cfg --every 50 -o p >out 2>err");
@@ -677,21 +550,26 @@ static void test_crosses(void)
     check_data("base", 0, 4, 2, (double[]){-8.5, 0, -5.5, 0, -2.5, 0, 0.5, 4});
 }
 
+static void write_forces(void)
+{
+    write_text("contacts.tsv", "# units: m\tm\tm\tm\tN\t1\nx\ty\tx_b\ty_b\tnormal_force\twall\n"
+                               "-1\t3\t-1\t2\t6\t1\n"       /* where the bins begin */
+                               "0\t3\t0\t4\t60\t1\n"        /* above */
+                               "0\t3\t0\t2\t60\t0\n"        /* no wall */
+                               "3\t4\t2\t3\t1.5\t1\n"       /* 45 degrees: the vertical part is 1.5/sqrt 2 */
+                               "4.25\t4\t3\t3\t60\t1\n"     /* steeper */
+                               "3\t4\t4.25\t3\t60\t1\n"     /* steeper to the other side */
+                               "7.5\t3\t7.5\t2\t0.375\t1\n" /* the last bin */
+                               "10\t3\t10\t2\t60\t1\n"      /* beyond it */
+                               "-2.5\t3\t-2.5\t2\t60\t1\n");
+}
+
 /* Vertical forces of contacts with walls below, up to 45 degrees; of bins of 3 m from x = -1 m on to the end
  * of the window, at 7 m and a mean radius. */
 static void test_bins(void)
 {
     write_pile();
-    write_text("contacts.tsv", "# units: m\tm\tm\tm\tN\t1\nx\ty\tx_b\ty_b\tnormal_force\twall\n"
-                               "-1\t3\t-1\t2\t6\t1\n"        /* where the bins begin */
-                               "0\t3\t0\t4\t60\t1\n"         /* above */
-                               "0\t3\t0\t2\t60\t0\n"         /* no wall */
-                               "3\t4\t2\t3\t1.5\t1\n"        /* 45 degrees: the vertical part is 1.5/sqrt 2 */
-                               "4.25\t4\t3\t3\t60\t1\n"      /* steeper */
-                               "3\t4\t4.25\t3\t60\t1\n"      /* steeper to the other side */
-                               "7.5\t3\t7.5\t2\t0.375\t1\n"  /* the last bin */
-                               "10\t3\t10\t2\t60\t1\n"       /* beyond it */
-                               "-2.5\t3\t-2.5\t2\t60\t1\n"); /* before the first one */
+    write_forces(); /* before the first one */
     /* each over a diameter, of 7/3 m: half of the first one, halves of the second one, 5/7 of the last */
     const double half = 0.5 * 1.5 * sqrt(0.5) / 3.0;
     tell(". -o a.png --base --cell 3");
@@ -699,6 +577,14 @@ static void test_bins(void)
     CHECK_PARTS(told, check_text("set yrange [0:%.17g]\nset ytics 0.5\n", 1.08 * (1.0 + half)),
                 "set ylabel 'pressure (N/m)' noenhanced\nset xlabel 'x (m)' noenhanced\nset boxwidth 3\n",
                 "set label 1 'step 7, t = 0.5 s, 3 grains'");
+    /* marks at steps of 1, 2 or 5 times a power of ten; forces on 3 m */
+    static const double marks[][2] = {{12.0, 1.0}, {12.6, 2.0}, {360.0, 50.0}, {1.44, 0.2}, {66.0, 10.0}};
+    for (size_t k = 0; k < sizeof marks / sizeof *marks; k++) {
+        write_press(3.5, 3.5, marks[k][0]);
+        tell(". -o a.png --base --cell 3");
+        is_told("\nset ytics %g\n", marks[k][1]);
+    }
+    write_forces();
     /* a unit of both, or none */
     SHELL("sed s/N/1/ contacts.tsv >bare; cp bare contacts.tsv");
     tell(". -o a.png --base --cell 3");
@@ -796,6 +682,11 @@ static void test_clipped(void)
                               "0\t0.5\t0\t1\t-inf\tinf\n3\t5\t0\t1\t20\t30\n3\t5\t0\t1\t-1\t1e9\n");
     tell("p_grains.tsv -o a.png --window 0,10,0,10");
     check_data("walls", 0, 4, 4, (double[]){0, 9.5, 10, 0, 0.5, 10, 0, -10, 0, 0.5, 10, 0, 2, 5, 8, 0});
+    /* through (1, 1) and (3, 1), along (4, -3) and (7, 24) */
+    write_text("p_walls.tsv", "x\ty\tdirection_x\tdirection_y\tfrom\tto\n1\t1\t0.6\t0.8\t-inf\tinf\n"
+                              "3\t1\t-0.96\t0.28\t-inf\tinf\n");
+    tell("p_grains.tsv -o a.png --window 0,10,0,10");
+    check_data("walls", 0, 2, 4, (double[]){0, 1.75, 7.0 / 3.0, -1.75, 3.0 - 7.0 / 24.0, 0, 70.0 / 24.0, 10});
     is_told("$walls with vectors nohead lw 2.5 lc rgb '#404040' notitle\n");
     /* a single frame has all contacts and walls, whatever their step */
     write_text("p_grains.tsv", "step\tx\ty\tr\n7\t0\t1\t1\n");
@@ -1116,8 +1007,7 @@ static void test_sweep_progress(void)
     close(kept), close(terminal);
 }
 
-CHECK_SUITE_WITHIN(view, "view", enter, leave, test_circles, test_forces, test_slopes, test_segment,
-                   test_layout, test_colors, test_stress, test_frames, test_film, test_animation, test_chosen,
-                   test_sweep_progress, test_range, test_crosses, test_bins, test_styles, test_clipped,
-                   test_stages, test_kinds, test_hostile, test_random_texts, test_refusals, test_closing_line,
-                   test_progress)
+CHECK_SUITE_WITHIN(view, "view", enter, leave, test_circles, test_forces, test_segment, test_layout,
+                   test_colors, test_frames, test_film, test_animation, test_chosen, test_sweep_progress,
+                   test_range, test_crosses, test_bins, test_styles, test_clipped, test_stages, test_kinds,
+                   test_hostile, test_random_texts, test_refusals, test_closing_line, test_progress)

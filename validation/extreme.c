@@ -1,7 +1,6 @@
 /* Stiff and extreme cases, generated: each gives the result of a closed form or a conservation law, or is
  * refused with a message that names the fault; none crashes, hangs or is wrong. A row a case. */
 #include "analytic/analytic.h"
-#include "angle/angle.h"
 #include "core/clock.h"
 #include "dem/law/law.h"
 #include "dem/state/state.h"
@@ -551,78 +550,6 @@ static void emptied_boxes(void)
             }
 }
 
-/* Two valid grains, except for one field of a grain or of the definition. */
-static void refuse_value(dem_definition *def, dem_grain pair[2], double *field, double value,
-                         const char *name, const char *word)
-{
-    *def = grains_of(2, pair);
-    pair[0] = pair[1] = (dem_grain){.r = R, .m = M};
-    pair[1].x = 1.0, def->rotation = true;
-    *field = value;
-    PARAMETERS("%s = %g", name, value);
-    scoped_sim *sim = NULL;
-    refusal("bad value", dem_create(def, &sim), RP_BAD_INPUT, word);
-}
-
-/* Invalid values, and time steps above the limit, are refused with the name of the field. */
-static void bad_values(void)
-{
-    dem_grain pair[2];
-    dem_definition def;
-    const struct {
-        const char *name;
-        double *field;
-        bool zero_too;
-    } fields[] = {{"k_n", &def.material.k_n, false},
-                  {"gamma_n", &def.material.gamma_n, false},
-                  {"k_s", &def.material.k_s, true},
-                  {"gamma_s", &def.material.gamma_s, false},
-                  {"mu", &def.material.mu, false},
-                  {"mu_roll", &def.material.mu_roll, false},
-                  {"dt", &def.dt, true},
-                  {"skin", &def.skin, false},
-                  {"r", &pair[1].r, true},
-                  {"m", &pair[1].m, true}};
-    const double bad[] = {-1.0, NAN, INFINITY, 0.0};
-    for (size_t i = 0; i < COUNT(fields); i++)
-        for (size_t b = 0; b < COUNT(bad); b++) {
-            if ((bad[b] == 0.0 && !fields[i].zero_too) ||
-                (isinf(bad[b]) && strncmp(fields[i].name, "mu", 2) == 0))
-                continue;
-            refuse_value(&def, pair, fields[i].field, bad[b], fields[i].name,
-                         check_text("%s = ", fields[i].name));
-        }
-    const struct {
-        const char *name;
-        double *field;
-    } finite[] = {{"position", &pair[1].x},     {"position", &pair[1].y},
-                  {"velocity", &pair[1].vx},    {"omega", &pair[1].omega},
-                  {"angle", &pair[1].angle},    {"gravity", &def.gravity[0]},
-                  {"turn", &def.turn_per_step}, {"box_turn", &def.box_turn_per_step}};
-    for (size_t i = 0; i < COUNT(finite); i++)
-        for (int b = 1; b < 3; b++)
-            refuse_value(&def, pair, finite[i].field, bad[b], finite[i].name, finite[i].name);
-}
-
-static void step_limits(void)
-{
-    for (int scheme = 0; scheme < DEM_INTEGRATORS; scheme++)
-        for (size_t i = 0; i < COUNT(stiffnesses) && dem_schemes[scheme]->step_limit; i++)
-            for (double gamma = 0.0; gamma<2e12; gamma = gamma> 0.0 ? 1e6 * gamma : 1.0) {
-                dem_definition def = bare(DEM_HERTZ, scheme);
-                dem_grain grain = {.y = 3.0, .r = R, .m = M};
-                def.gravity[1] = -G;
-                def.material = (dem_material){.k_n = stiffnesses[i], .gamma_n = gamma};
-                grains_on_floor(&def, 1, &grain);
-                const double limit = step_limit(&def);
-                def.dt = 1.001 * limit;
-                PARAMETERS("k_n = %g, gamma_n = %g, %s, dt = %.6g", stiffnesses[i], gamma,
-                           dem_schemes[scheme]->name, def.dt);
-                scoped_sim *sim = NULL;
-                refusal("step above the limit", dem_create(&def, &sim), RP_BAD_INPUT, "dt = ");
-            }
-}
-
 /* Hard collisions of any masses. */
 static void hard_collisions(void)
 {
@@ -646,121 +573,6 @@ static void hard_collisions(void)
             verdict("hard collision", fabs(s[0].vx - mean * (1.0 + e)) < 1e-9 * v &&
                                           fabs(s[1].vx - mean - e * v * M / (M + m)) < 1e-9 * v);
         }
-}
-
-/* ---- Theory */
-
-/* Slopes from 0 to the full triangle: the base carries the weight of all disks, and both methods agree. */
-static void lattices(void)
-{
-    const double deg = M_PI / 180.0;
-    const double alphas[] = {-1.0, 0.0, NAN, 1e-12, 1e-3, 1.0, 30.0, 59.0, 60.0 - 1e-9, 60.0, 60.001, 90.0};
-    const long bases[] = {1, 2, 45, 1000};
-    for (size_t i = 0; i < COUNT(alphas); i++)
-        for (size_t b = 0; b < COUNT(bases); b++) {
-            const long k = bases[b];
-            long up[1000];
-            an_force closed[1000], recursion[1000];
-            PARAMETERS("alpha = %.12g degrees, base of %ld", alphas[i], k);
-            rp_status status = an_lattice_cut(k, M_PI / 6.0, alphas[i] * deg, up);
-            if (!(alphas[i] > 0.0 && alphas[i] <= 60.0)) {
-                refusal("lattice", status, RP_BAD_INPUT, "alpha = ");
-                continue;
-            }
-            CHECK_OK(an_lattice_counts(k, up, M_PI / 6.0, closed));
-            CHECK_OK(an_lattice_recursion(k, up, M_PI / 6.0, recursion));
-            double disks = 0.0, N = 0.0, H = 0.0, apart = 0.0;
-            for (long s = 0; s < k; s++) {
-                disks += (double)up[s];
-                N += closed[s].N;
-                H += closed[s].H;
-                apart = fmax(apart, fabs(closed[s].N - recursion[s].N) + fabs(closed[s].H - recursion[s].H));
-            }
-            const double all = alphas[i] == 60.0  ? 0.5 * (double)(k * (k + 1))
-                               : alphas[i] < 0.05 ? (double)k
-                                                  : disks;
-            EXPECTED("sum of N %.17g, of H 0", all);
-            OBSERVED("%.17g, %.3g; difference of the two methods %.3g", N, H, apart);
-            verdict("lattice", N == all && disks == all && fabs(H) < 1e-9 * all && apart < 1e-9 * (double)k);
-        }
-}
-
-/* The continuum's closed form against numerical chords of the same outline, and the limits of the slope. */
-static void continua(void)
-{
-    const double deg = M_PI / 180.0;
-    const double alphas[] = {-1.0, 0.0, NAN, 1e-9, 1e-3, 10.0, 45.0, 59.0, 60.0 - 1e-6, 60.0, 75.0, 90.0};
-    for (size_t i = 0; i < COUNT(alphas); i++) {
-        an_force f;
-        PARAMETERS("alpha = %.12g degrees", alphas[i]);
-        rp_status status = an_continuum(alphas[i] * deg, 0.3, &f);
-        if (!(alphas[i] > 0.0 && alphas[i] < 60.0)) {
-            refusal("continuum", status, RP_BAD_INPUT, "alpha = ");
-            continue;
-        }
-        const double top = 0.5 * tan(alphas[i] * deg), places[] = {0.0, 1e-9, 0.1, 0.3, 0.5, 0.77, 1.0};
-        an_profile profile;
-        const an_point outline[] = {{0.0, 0.0}, {0.5, top}, {1.0, 0.0}};
-        CHECK_OK(an_profile_set(&profile, outline, 3));
-        double apart = 0.0;
-        for (size_t p = 0; p < COUNT(places); p++) {
-            an_force g;
-            CHECK_OK(an_continuum(alphas[i] * deg, places[p], &f));
-            CHECK_OK(an_profile_force(&profile, places[p], &g));
-            apart = fmax(apart, hypot(f.N - g.N, f.H - g.H));
-        }
-        /* the chords lose digits as the slope approaches 60 degrees */
-        number("continuum", apart, 0.0, top, 1e-14 + 1e-15 / (M_PI / 3.0 - alphas[i] * deg));
-    }
-}
-
-/* Scan over all tilts of the valid range, in small steps. */
-static double largest_friction(ang_form form, double theta_r, double phi, double limit)
-{
-    double most = 0.0, mu;
-    for (int i = 0; i < 2000; i++)
-        if (ang_friction(form, theta_r, limit * (i / 2000.0), phi, &mu) == RP_OK) most = fmax(most, mu);
-    return most;
-}
-
-/* Piles at, below and above the angle of marginal stability: the tilt is zero at that angle, undefined above
- * it, and below it the friction required at the tilt equals mu. */
-static void tilts(void)
-{
-    const double phi = M_PI / 3.0, mus[] = {0.0, 1e-12, 0.05, 0.2, 0.5, 10.0, INFINITY};
-    const double parts[] = {0.0, 0.5, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.5};
-    for (int form = ANG_BALANCED; form <= ANG_LATTICE; form++)
-        for (size_t i = 0; i < COUNT(mus); i++)
-            for (size_t p = 0; p < COUNT(parts); p++) {
-                double ms, back;
-                ang_tilt_result t;
-                CHECK_OK(ang_marginal(mus[i], phi, &ms, NULL));
-                const double theta_r = parts[p] * ms;
-                PARAMETERS("mu = %g, theta_R = %.12g theta_MS, %s", mus[i], parts[p], ang_form_words[form]);
-                rp_status status = ang_tilt(form, mus[i], theta_r, phi, &t);
-                OBSERVED("theta_T = %g, %s", t.theta_t, status ? rp_message() : ang_tilt_words[t.status]);
-                const bool ok = !status && (t.status == ANG_TILT_OK || t.status == ANG_TILT_OK_PULLING);
-                if (theta_r >= M_PI_2) {
-                    refusal("tilt", status, RP_BAD_INPUT, "theta_r = ");
-                } else if (theta_r > ms) {
-                    EXPECTED("already_unstable");
-                    verdict("tilt", t.status == ANG_TILT_ALREADY_UNSTABLE && isnan(t.theta_t));
-                } else if (theta_r >= phi) {
-                    EXPECTED("rays_miss");
-                    verdict("tilt", t.status == ANG_TILT_RAYS_MISS && isnan(t.theta_t));
-                } else if (theta_r == ms) {
-                    EXPECTED("theta_T = 0");
-                    verdict("tilt", ok && t.theta_t < 1e-15);
-                } else if (largest_friction(form, theta_r, phi, t.limit) < mus[i]) {
-                    EXPECTED("no_slide");
-                    verdict("tilt", t.status == ANG_TILT_NO_SLIDE && isnan(t.theta_t));
-                } else {
-                    const rp_status asks = ang_friction(form, theta_r, t.theta_t, phi, &back);
-                    EXPECTED("required friction %g", mus[i]);
-                    OBSERVED("theta_T = %g requires %g, %s", t.theta_t, back, ang_tilt_words[t.status]);
-                    verdict("tilt", ok && !asks && fabs(back - mus[i]) < 1e-12 * fmax(1.0, mus[i] * mus[i]));
-                }
-            }
 }
 
 /* ---- The program */
@@ -849,39 +661,6 @@ static void box_shapes(void)
     }
 }
 
-/* Commands with a known numerical result, or a message. */
-static void lines(void)
-{
-    const struct {
-        const char *line, *word;
-        int status;
-    } list[] = {{"lattice --layers 1", "1\t1\t", 0},
-                {"lattice --base 1 --alpha-deg 60", "1\t1\t", 0},
-                {"lattice --base 5 --alpha-deg 0", "alpha-deg = 0", 65},
-                {"lattice --base 5 --alpha-deg 61", "alpha-deg = 61", 65},
-                {"lattice --base 5 --alpha-deg nan", "alpha-deg", 65},
-                {"continuum --alpha-deg 60", "alpha-deg = 60", 65},
-                {"continuum --alpha-deg 0", "alpha-deg = 0", 65},
-                {"continuum --alpha-deg 30 --at 1.1", "at", 65},
-                {"pile --base 0", "base = 0", 65},
-                {"pile --base 5 --alpha-deg 0", "alpha-deg = 0", 65},
-                {"pile --base 5 --eps -1", "eps = -1", 65},
-                {"pile --base 5 --eps 0.2", "eps = 0.2", 65},
-                {"angle tilt --mu 0.2 --theta-r-deg 90", "theta-r-deg = 90", 65},
-                {"angle tilt --mu 0.2 --theta-r-deg 31", "already_unstable", 0},
-                {"angle tilt --mu -1 --theta-r-deg 10", "mu = -1", 65},
-                {"angle tilt --mu infinite --theta-r-deg 10", "no_slide", 0},
-                {"angle marginal --mu nan", "mu", 65},
-                {"tent --outer-deg 0 --inner-deg 45 --x1 0.3", "outer-deg = 0", 65},
-                {"tent --outer-deg 30 --inner-deg 60 --x1 0.3", "inner-deg = 60", 65},
-                {"tent --outer-deg 30 --inner-deg 45 --x1 0.5", "x1 = 0.5", 65},
-                {"tent --outer-deg 1e-9 --inner-deg 59.999 --x1 1e-9 --at 0.5", "0.5\t", 0}};
-    for (size_t i = 0; i < COUNT(list); i++) {
-        PARAMETERS("repose %s", list[i].line);
-        program_refuses("program", PROGRAM("%s", list[i].line), list[i].status, list[i].word);
-    }
-}
-
 /* Scenes of a grain that hits a wall, from undamped to far over-damped: the run ends, and reports the impact
  * where one is defined. */
 static void run_scenes(void)
@@ -941,10 +720,9 @@ static void right_or_refused(void)
     n_cases = n_right = n_refused = 0;
     const double start = rp_clock();
     static void (*const kinds[])(void) = {
-        static_overlaps, elastic_impacts, damped_impacts,  frictions, start_overlaps, single_grains,
-        far_apart,       scaled_units,    zero_velocities, sideways,  turned_boxes,   emptied_boxes,
-        bad_values,      step_limits,     hard_collisions, lattices,  continua,       tilts,
-        soft_piles,      box_shapes,      run_scenes,      lines,     million};
+        static_overlaps, elastic_impacts, damped_impacts,  frictions,  start_overlaps, single_grains,
+        far_apart,       scaled_units,    zero_velocities, sideways,   turned_boxes,   emptied_boxes,
+        hard_collisions, soft_piles,      box_shapes,      run_scenes, million};
     for (size_t k = 0; k < COUNT(kinds) - !check_full(); k++) kinds[k](); /* the last in full only */
     CU_ASSERT(n_cases >= 300);
     check_table_close(&table);

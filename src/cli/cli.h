@@ -19,7 +19,6 @@ typedef struct {
     const char *name, *title;                  /* as it is typed, as it is written */
     const char *about;                         /* in one line */
     const struct cli_command *const *commands; /* in the order of the overview, to NULL */
-    const struct cli_removed *removed;         /* to a NULL name; NULL: none */
 } cli_program;
 
 typedef struct {
@@ -120,17 +119,7 @@ typedef struct cli_command {
     bool prints_text; /* or nothing: the others print a table, which has --json */
 } cli_command;
 
-/* A command, or an option "COMMAND --OPTION", of an older version, and what to use instead. */
-typedef struct cli_removed {
-    const char *name, *instead;
-} cli_removed;
-
-/* Is a command, or its option (NULL: none), an older one? Errors: RP_USAGE, with what to use instead.
- */
-rp_status cli_check_removed(const cli_program *program, const char *command, const char *option);
-
-/* The options of a command as they are typed, with their defaults, in call->options and call->values.
- */
+/* The options of a command as they are typed, with their defaults, in call->options and call->values. */
 void cli_options_of(cli_call *call, const cli_command *command);
 
 /* Parse argv[1..] into the call's options and arguments. Boolean options take no value. *helped: --help

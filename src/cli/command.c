@@ -13,10 +13,7 @@
 
 rp_status cli_unknown_command(const cli_program *program, const char *word, const cli_command *group)
 {
-    char name[64];
     rp_guess guess = rp_guess_of(word);
-    snprintf(name, sizeof name, "%s%s%s", group ? group->name : "", group ? " " : "", word);
-    RP_TRY(cli_check_removed(program, name, NULL));
     for (const cli_command *const *c = group ? group->group : program->commands; c && *c; c++)
         rp_guess_try(&guess, cli_own_name(*c));
     return rp_fail(RP_USAGE, "unknown command \"%s\"%s; see %s %s%s--help", word, rp_guess_text(&guess),

@@ -187,24 +187,12 @@ static rp_status check_given(const cli_call *call)
     return status;
 }
 
-rp_status cli_check_removed(const cli_program *program, const char *command, const char *option)
-{
-    const size_t n = strlen(command);
-    for (const cli_removed *r = program->removed; r && r->name; r++)
-        if (strncmp(r->name, command, n) == 0 &&
-            (option ? strncmp(r->name + n, " --", 3) == 0 && strcmp(r->name + n + 3, option) == 0
-                    : !r->name[n]))
-            return rp_fail(RP_USAGE, "%s of 0.1.0 is gone; instead: %s", r->name, r->instead);
-    return RP_OK;
-}
-
 /* An option that is written with too few or too many dashes is found as well. */
 static rp_status unknown_option(const cli_call *call, const char *text)
 {
     char word[64], nearest[96] = "";
     const char *name = text + strspn(text, "-");
     snprintf(word, sizeof word, "%.*s", (int)strcspn(name, "="), name);
-    RP_TRY(cli_check_removed(call->program, call->command->name, word));
     rp_guess guess = rp_guess_of(word);
     rp_guess_schema(&guess, call->options);
     rp_guess_try(&guess, "help");

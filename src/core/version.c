@@ -38,13 +38,6 @@ const char *rp_model(char text[32])
     return text;
 }
 
-const char *rp_model(char text[32])
-{
-    const bool known = strcmp(rp_build_sources, RP_MODEL_SOURCES) == 0;
-    snprintf(text, 32, "%d%s%s", RP_MODEL_VERSION, known ? "" : " ", known ? "" : rp_build_sources);
-    return text;
-}
-
 /* Arm has fused instructions always, and no macro tells whether the compiler takes them. */
 rp_status rp_build_check(void)
 {

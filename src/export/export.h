@@ -7,20 +7,13 @@
 #include "params/params.h"
 #include "table/columns.h"
 
-/* A file in the making ("-": standard output), compressed by zlib if its name ends in .gz. */
-typedef struct {
-    const char *path;
-    FILE *out, *plain;
-} export_file;
-rp_status export_open(const char *path, bool replace, export_file *e); /* as rp_file_open */
-rp_status export_close(const export_file *e, rp_status keep);          /* as rp_file_close */
-const char *export_cell(const rp_table *t, size_t row, int column);    /* a number: "inf" for infinite */
+const char *export_cell(const rp_table *t, size_t row, int column); /* a number: "inf" for infinite */
 
 /* Make a text one word, in which no program finds a command or a mark: what is no letter, digit, UTF-8 or one
  * of ._+-/()[] becomes _. */
 char *export_word(char *text);
 
-/* "out/pile", without the ending (and .gz before it), of "out/pile.pvd". */
+/* "out/pile" of "out/pile.pvd". */
 const char *export_stem(rp_arena *arena, const char *path);
 
 /* A table in frames, the rows of equal `step`: frame k is rows first[k] to first[k + 1] - 1, none in an empty
@@ -35,7 +28,7 @@ typedef struct {
 /* A quantity: one column, or the two components of a vector, by name in each format. */
 typedef struct {
     int column[2]; /* the second -1: a number */
-    const char *dump, *xyz, *vtk;
+    const char *dump, *vtk;
 } export_field;
 
 /* What a run is made of. Contacts and walls belong to the frame of grains with their step. */
@@ -69,6 +62,7 @@ void export_frame_id(const export_run *run, size_t frame, size_t row, FILE *out)
 /* Writers. Errors: RP_IO, RP_BAD_INPUT, RP_NO_MEMORY. */
 rp_status export_csv(const rp_table *t, size_t n, const int columns[], FILE *out);
 rp_status export_json(const rp_table *t, size_t n, const int columns[], FILE *out);
+rp_status export_dump(const export_run *run, const char *path);
 rp_status export_vtk(const export_run *run, const char *path);
 
 /* The table NAME beside one of grains, DIR/NAME of DIR/states.tsv or DIR/disks.tsv, X_NAME of X_grains.tsv;
@@ -80,10 +74,6 @@ const char *export_beside(rp_arena *arena, const char *grains, const char *name)
  * Errors: RP_BAD_INPUT; those of the tables. */
 rp_status export_run_read(rp_arena *arena, const char *source, rp_table *table, const char *columns,
                           export_run *run);
-
-/* Write a run to `path`. Errors: those of the writers. */
-typedef enum { EXPORT_LAMMPS, EXPORT_XYZ, EXPORT_VTK } export_format;
-rp_status export_write(const export_run *run, export_format format, const char *path);
 
 /* The scene in file `scene` as the LAMMPS input `path` and its data file. Errors: RP_BAD_INPUT naming the key
  * for which LAMMPS has no equal. */

@@ -1,4 +1,4 @@
-/* Files and frames of an export; see export.h. */
+/* Frames of an export; see export.h. */
 #include "export/export.h"
 
 #include <ctype.h>
@@ -6,49 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-#include <zlib.h>
 
 #include "core/file.h"
-
-/* ---- files ---- */
-
-static ssize_t gz_write(void *file, const char *bytes, size_t n)
-{
-    return n == 0 ? 0 : gzwrite(file, bytes, (unsigned)n);
-}
-
-static int gz_close(void *file)
-{
-    return gzclose(file) == Z_OK ? 0 : EOF;
-}
-
-rp_status export_open(const char *path, bool replace, export_file *e)
-{
-    *e = (export_file){.path = path};
-    rp_status status = rp_file_open(path, replace, &e->plain);
-    e->out = e->plain;
-    if (status || !rp_ends_in(path, ".gz")) return status;
-    gzFile file = gzdopen(dup(fileno(e->plain)), "wb");
-    e->out =
-        file ? fopencookie(file, "w", (cookie_io_functions_t){.write = gz_write, .close = gz_close}) : NULL;
-    if (e->out) return RP_OK;
-    return rp_file_close(path, e->plain, rp_fail(RP_NO_MEMORY, "%s: out of memory", path));
-}
-
-rp_status export_close(const export_file *e, rp_status keep)
-{
-    if (e->out != e->plain) {
-        const bool failed = ferror(e->out), unclosed = fclose(e->out) != 0;
-        if (!keep && (failed || unclosed)) keep = rp_fail(RP_IO, "%s: cannot write", e->path);
-    }
-    if (!keep) keep = rp_file_finish(e->plain, e->path);
-    return rp_file_close(e->path, e->plain, keep);
-}
 
 const char *export_stem(rp_arena *arena, const char *path)
 {
     char *stem = rp_text(arena, "%s", path);
-    if (rp_ends_in(stem, ".gz")) stem[strlen(stem) - 3] = '\0';
     char *name = strrchr(stem, '/'), *dot = strrchr(name ? name : stem, '.');
     if (dot) *dot = '\0';
     return stem;
@@ -159,12 +122,12 @@ void export_frame_id(const export_run *run, size_t frame, size_t row, FILE *out)
 
 /* Names in other programs; any other column keeps its own. */
 static const struct {
-    const char *columns[2], *dump, *xyz, *vtk;
-} known[] = {{{"r"}, "radius", "radius", "radius"},
-             {{"m"}, "mass", "mass", "mass"},
-             {{"vx", "vy"}, "vx vy vz", "velo", "velocity"},
-             {{"fx", "fy"}, "fx fy fz", "force", "force"},
-             {{"omega"}, "omegaz", "omega", "omega"}};
+    const char *columns[2], *dump, *vtk;
+} known[] = {{{"r"}, "radius", "radius"},
+             {{"m"}, "mass", "mass"},
+             {{"vx", "vy"}, "vx vy vz", "velocity"},
+             {{"fx", "fy"}, "fx fy fz", "force"},
+             {{"omega"}, "omegaz", "omega"}};
 
 /* Add column c, unless it has a place of its own, or the vector that it belongs to is there already. */
 static rp_status add_field(export_run *run, int c)
@@ -172,7 +135,7 @@ static rp_status add_field(export_run *run, int c)
     static const char *const placed[] = {"step", "t", "id", "x", "y"};
     const rp_table *t = run->grains.table;
     const char *name = t->names[c];
-    export_field field = {{c, -1}, name, name, name};
+    export_field field = {{c, -1}, name, name};
     for (size_t i = 0; i < sizeof placed / sizeof *placed; i++)
         if (strcmp(name, placed[i]) == 0) return RP_OK;
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
@@ -182,7 +145,7 @@ static rp_status add_field(export_run *run, int c)
         if ((first != c && second != c) || (vector && (first < 0 || second < 0))) continue;
         for (size_t f = 0; f < run->n_fields; f++)
             if (run->fields[f].column[0] == first) return RP_OK;
-        field = (export_field){{first, second}, known[i].dump, known[i].xyz, known[i].vtk};
+        field = (export_field){{first, second}, known[i].dump, known[i].vtk};
     }
     if (run->n_fields == EXPORT_MOST_FIELDS)
         return rp_fail(RP_BAD_INPUT, "%s: more than %d columns", t->path, EXPORT_MOST_FIELDS);

@@ -312,21 +312,21 @@ static void write_input(const lammps_scene *s, const char *scene, const char *st
 static rp_status write_files(rp_arena *arena, const lammps_scene *s, const char *scene, const char *path,
                              bool replace)
 {
-    export_file e, d;
+    FILE *input, *out;
     const char *stem = export_stem(arena, path), *name = export_word(rp_text(arena, "%s", basename(stem))),
                *data = rp_text(arena, "%s.data", stem);
     if (strcmp(name, basename(stem)) != 0)
         return rp_fail(RP_USAGE, "-o %s: the input of LAMMPS names its files: letters, digits and ._+- alone",
                        path);
     scene = export_word(rp_text(arena, "%s", scene)); /* for comments */
-    RP_TRY(export_open(path, replace, &e));
-    rp_status status = export_open(data, replace, &d);
+    RP_TRY(rp_file_open(path, replace, &input));
+    rp_status status = rp_file_open(data, replace, &out);
     if (!status) {
-        write_data(s, scene, d.out);
-        status = export_close(&d, RP_OK);
+        write_data(s, scene, out);
+        status = rp_file_close(data, out, RP_OK);
     }
-    write_input(s, scene, stem, e.out);
-    return export_close(&e, status);
+    write_input(s, scene, stem, input);
+    return rp_file_close(path, input, status);
 }
 
 static void free_scene(lammps_scene *s)

@@ -164,10 +164,11 @@ static rp_status write_frame(const export_run *run, size_t k, const char *folder
         if (parts[i].lines) n = export_rows_at(f, export_frame_step(run, k), &first);
         piece p = {f, first, first + n, parts[i].lines ? 2 : 1, NULL};
         const char *path = rp_text(run->arena, "%s/%s_%06zu.vtp", folder, parts[i].name, k);
-        export_file e;
-        RP_TRY(export_open(path, run->replace, &e));
-        RP_TRY(export_close(&e, parts[i].lines ? write_lines(run, &p, parts[i].lines, e.out)
-                                               : write_grains(run, &p, e.out)));
+        FILE *out;
+        RP_TRY(rp_file_open(path, run->replace, &out));
+        RP_TRY(rp_file_close(path, out,
+                             parts[i].lines ? write_lines(run, &p, parts[i].lines, out)
+                                            : write_grains(run, &p, out)));
         fprintf(collection, "<DataSet timestep=\"%s\" part=\"%zu\" name=\"%s\" file=\"%s/%s_%06zu.vtp\"/>\n",
                 RP_SHORT(export_frame_time(run, k)), i, parts[i].name, basename(folder), parts[i].name, k);
     }
@@ -176,15 +177,15 @@ static rp_status write_frame(const export_run *run, size_t k, const char *folder
 
 rp_status export_vtk(const export_run *run, const char *path)
 {
-    export_file e;
+    FILE *out;
     if (strlen(path) < 5 || !rp_ends_in(path, ".pvd"))
         return rp_fail(RP_USAGE, "-o %s: vtk needs a name that ends in .pvd", path);
     char *folder = rp_text(run->arena, "%s_frames", export_stem(run->arena, path));
     export_word(basename(folder)); /* of an attribute in XML */
-    RP_TRY(export_open(path, run->replace, &e));
+    RP_TRY(rp_file_open(path, run->replace, &out));
     rp_status status = rp_make_directory(folder);
-    fputs("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n", e.out);
-    for (size_t k = 0; k < run->grains.n && !status; k++) status = write_frame(run, k, folder, e.out);
-    fputs("</Collection>\n</VTKFile>\n", e.out);
-    return export_close(&e, status);
+    fputs("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n", out);
+    for (size_t k = 0; k < run->grains.n && !status; k++) status = write_frame(run, k, folder, out);
+    fputs("</Collection>\n</VTKFile>\n", out);
+    return rp_file_close(path, out, status);
 }

@@ -166,7 +166,7 @@ static void compare_continuum(const sweep_solved *s, const double x[], pile_valu
     an_point corners[5];
     size_t n;
     an_profile profile;
-    if (!(s->p->alpha_deg > 0) || outline(s->p, corners, &n)) return;
+    if (outline(s->p, corners, &n)) return;
     v->left_deg = v->right_deg = rp_atan(corners[n / 2].y / 0.5) * 180 / M_PI;
     if (an_profile_set(&profile, corners, n)) return;
     for (size_t i = 0; i < h->k; i++) {

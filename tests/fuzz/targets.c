@@ -385,8 +385,6 @@ const fuzz_target fuzz_targets[] = {
     TABLES("report", "report page in.md --claims c.tsv --tables .", "in.md", "many.tsv", table_text),
     {"particles", {"t.tsv", NULL}, NULL, "run particles.cfg", NULL, true},
     {"bench", {"t.tsv", NULL}, NULL, "bench --start t.tsv --steps 2 --repeat 1", NULL, true},
-    TABLE("pile_disks", "pile --disks t.tsv"),
-    TABLE("pile_outline", "pile --base 7 --outline t.tsv"),
     TABLE("angle_slope", "angle slope t.tsv --width 4"),
     TABLE("angle_compare", "angle compare t.tsv --bootstrap 5"),
     TABLE("stress_dip", "stress dip t.tsv --profile"),

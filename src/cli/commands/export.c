@@ -6,8 +6,8 @@
 #include "export/export.h"
 
 #define EXPORT_OPTIONS(X)                                                                                    \
-    X(CHOICE, to, "", NULL, "csv | json | lammps | xyz | vtk | lammps-input", "format")                      \
-    X(TEXT, o, "", "-", "", "file to write; - is standard output; a name that ends in .gz is compressed")    \
+    X(CHOICE, to, "", NULL, "csv | json | lammps | vtk | lammps-input", "format")                            \
+    X(TEXT, o, "", "-", "", "file to write; - is standard output")                                           \
     X(TEXT, columns, "", "all", "", "columns (a or a,b,...) of the table, or of the grains")                 \
     X(BOOL, reduce, "", "false", "", "of a sweep: one row per grid point, as `repose sweep export` has it")  \
     X(TEXTS, set, "", "", "", "of a scene: KEY=VALUE replaces a key, as in `repose run`")                    \
@@ -15,7 +15,7 @@
     CLI_FORCE(X)
 
 CLI_OPTIONS(export, EXPORT_OPTIONS)
-enum { TO_CSV, TO_JSON, TO_LAMMPS, TO_XYZ, TO_VTK, TO_LAMMPS_INPUT };
+enum { TO_CSV, TO_JSON, TO_LAMMPS, TO_VTK, TO_LAMMPS_INPUT };
 
 /* ---- what there is to export ---- */
 
@@ -43,15 +43,15 @@ static rp_status read_source(const cli_call *call, const char *source, const exp
 static rp_status export_table(const cli_call *call, const char *source, const export_options *o)
 {
     rp_table *t;
-    export_file e;
+    FILE *out;
     sweep_counts counts;
     size_t n;
     int *columns;
     RP_TRY(read_source(call, source, o, &t, &counts));
     RP_TRY(rp_columns(call->arena, t, o->columns, &n, &columns));
-    RP_TRY(export_open(o->o, o->force, &e));
-    rp_status status = (o->to == TO_CSV ? export_csv : export_json)(t, n, columns, e.out);
-    RP_TRY(export_close(&e, status));
+    RP_TRY(rp_file_open(o->o, o->force, &out));
+    rp_status status = (o->to == TO_CSV ? export_csv : export_json)(t, n, columns, out);
+    RP_TRY(rp_file_close(o->o, out, status));
     return rp_prefix(sweep_check_whole(source, &counts), "the table is not whole: ");
 }
 
@@ -65,7 +65,7 @@ static rp_status export_grains(const cli_call *call, const char *source, const e
     RP_TRY(read_source(call, source, o, &table, &none));
     RP_TRY(export_run_read(call->arena, source, table, o->columns, &run));
     run.replace = o->force;
-    return export_write(&run, (export_format)(EXPORT_LAMMPS + o->to - TO_LAMMPS), o->o);
+    return (o->to == TO_LAMMPS ? export_dump : export_vtk)(&run, o->o);
 }
 
 static rp_status act_export(cli_call *call, const void *values)
@@ -89,15 +89,15 @@ const cli_command cmd_export = {
     "csv, json: a table; of a run its states.tsv; of a sweep its runs, with all parameters as columns. CSV "
     "starts with the names of the columns. JSON is { notes, units, rows: [{column: value}] }; nan is null. "
     "lammps: LAMMPS dump of the grains, a frame for each step, and beside FILE.lammpstrj the contacts as "
-    "FILE.contacts.lammpstrj, a dump local. Names are those of LAMMPS: radius, mass, vx vy vz, omegaz. xyz: "
-    "extended XYZ of the grains, for OVITO and ASE. vtk: FILE.pvd for ParaView: grains as points, contacts "
-    "and walls as lines, VTP files in FILE_frames. These three take a table of grains (x, y, r) too, with "
+    "FILE.contacts.lammpstrj, a dump local. Names are those of LAMMPS: radius, mass, vx vy vz, omegaz. vtk: "
+    "FILE.pvd for ParaView: grains as points, contacts "
+    "and walls as lines, VTP files in FILE_frames. These two take a table of grains (x, y, r) too, with "
     "the contacts and walls beside X_grains.tsv. Lengths, times and masses keep the units of the source; z "
     "is 0.\n"
     "\n"
     "lammps-input: FILE.in and FILE.data, the same scene for LAMMPS. A key whose law LAMMPS does not have is "
     "refused; the head of FILE.in says which laws coincide.",
-    "repose export out --to lammps -o pile.lammpstrj.gz",
+    "repose export out --to lammps -o pile.lammpstrj",
     export_params,
     .refuses =
         "Grains of a sweep, which has none: csv and json take it. --reduce without a sweep.\n"
