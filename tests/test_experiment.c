@@ -731,6 +731,60 @@ static void test_swept(void)
           "' 0 already stored'");
 }
 
+static const char beds[] =
+    "let = { v = 5.0; top = 0.5; };\ndt = 5e-5; tangential = { law = `spring`; mu = 0.4; };\n"
+    "walls = ( { polygon = ( (0.0, 9.0), (0.0, 0.0), (2.0, 0.0), (2.0, 9.0) ); closed = false; } );\n"
+    "fill = { N = 20; W = 2.0; H = 2.0; };\nregions = { low = { x = (0.0, 2.0); y = (0.0, `top`); }; };\n"
+    "phases = ( { name = `pour`; steps = 2000; }, { name = `bed`; steps = 2000; },\n"
+    "  { name = `hit`; add = { r = 0.1; x = 1.0; y = `touch`; vy = `-v`; }; steps = 200; } );\n"
+    "measure = ( { name = `poured`; of = `contacts`; at = `pour`; }, { name = `bed_height`; of = `height`; "
+    "at = `bed`; },\n  { name = `after`; of = `energy`; at = `hit`; }, { name = `low_mass`; of = "
+    "`low.mass`; at = `hit`; } );\n";
+
+/* A measure that goes or moves leaves rows as they are. With one that comes they are run again, and keep what
+ * they have of the others: back with the first text all are there. */
+static void test_other_measures(void)
+{
+#define POURED "{ name = `poured`; of = `contacts`; at = `pour`; }"
+#define BED    "{ name = `bed_height`; of = `height`; at = `bed`; }"
+#define LOW    "{ name = `low_mass`; of = `low.mass`; at = `hit`; }"
+    static const struct {
+        const char *from, *to;
+        int stored; /* of 4 rows */
+    } cases[] = {{", " LOW, "", 4},
+                 {POURED ", ", "", 4},
+                 {POURED ", " BED, BED ", " POURED, 4},
+                 {"at = `hit`; }, " LOW, "at = `hit`; meaning = `later`; unit = ``; }, " LOW, 4},
+                 {LOW, LOW ", { name = `left_at`; of = `left`; }", 0},
+                 {LOW, LOW ", { name = `spin_at`; of = `spin + bed_height`; at = `bed`; }", 0},
+                 {"`low.mass`", "`sqrt(-low.mass)`", 0},
+                 {"`contacts`", "`contacts + 1`", 0},
+                 {"top = 0.5", "top = 0.6", 0},
+                 {"steps = 2000; }, {", "steps = 2001; }, {", 0}};
+    write_text("s.cfg", "experiment = \"e.cfg\"; replicas = 2; seed = 5; grid = { v = [5.0, 9.0]; };\n");
+    write_trial("e.cfg", beds);
+    GOOD("sweep make s.cfg -o first --quiet");
+    GOOD("sweep digest first");
+    SHELL("mv out digest && cp e.cfg first.cfg");
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        write_trial("e.cfg", check_changed(beds, cases[k].from, cases[k].to));
+        CU_ASSERT(shell_line("rm -rf again new && cp -r first again && $REPOSE sweep plan s.cfg -o again "
+                             "| grep -q ' %d already stored' && $REPOSE sweep run again -j 1 --quiet && "
+                             "$REPOSE sweep plan s.cfg -o new && $REPOSE sweep run new -j 1 --quiet && [ "
+                             "\"$($REPOSE sweep digest again)\" = \"$($REPOSE sweep digest new)\" ] && cp "
+                             "first.cfg e.cfg && $REPOSE sweep plan s.cfg -o again | grep -q ' 4 already "
+                             "stored' && $REPOSE sweep digest again | cmp - digest",
+                             cases[k].stored) == 0);
+    }
+    /* of two stores, of which one has more measures of the same runs */
+    write_trial("e.cfg", check_changed(beds, ", " LOW, ""));
+    SHELL("rm -rf again && $REPOSE sweep make s.cfg -o again --quiet && cp first.cfg e.cfg && $REPOSE sweep "
+          "plan "
+          "s.cfg -o again | grep -q ' 0 already stored' && $REPOSE sweep merge again "
+          "first/results.sqlite "
+          "&& $REPOSE sweep digest again | cmp - digest");
+}
+
 static void test_sweeps_refused(void)
 {
     static const char *const cases[][2] = {
@@ -1512,4 +1566,4 @@ CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, te
                    test_printed_limits, test_windows_of_modules, test_more_modules, test_mean_grain,
                    test_refused_more, test_cuts, test_kept, test_where, test_started_at, test_words,
                    test_refused, test_keys, test_random_texts, test_run, test_resumed, test_swept,
-                   test_sweeps_refused, test_slow_turns, test_computed_again)
+                   test_other_measures, test_sweeps_refused, test_slow_turns, test_computed_again)

@@ -84,13 +84,8 @@ static rp_status check(const void *params)
 static bool hash(const void *params, XXH128_hash_t *digest)
 {
     exp_plan *plan;
-    exp_measured m;
     rp_status status = plan_of(params, &plan);
     if (!status) status = exp_key(plan, digest);
-    for (size_t k = 0; !status && k < exp_measure_count(plan); k++) {
-        status = exp_measure_at(plan, k, &m);
-        if (!status) *digest = rp_hash_add(*digest, m.key);
-    }
     exp_free(plan);
     return status == RP_OK;
 }
@@ -276,6 +271,20 @@ static rp_status check_output(const experiment *e, const sweep_output outputs[],
     return rp_fail(RP_BAD_INPUT, "%s: %s is a let and a column of a measure", path, name);
 }
 
+/* A measure that is changed is another: what has been stored of it before is left alone. */
+static rp_status name_stored(experiment *e, sweep_output outputs[])
+{
+    exp_measured m;
+    char digits[33];
+    for (size_t k = 0; k < exp_measure_count(e->plan); k++) {
+        RP_TRY(exp_measure_at(e->plan, k, &m));
+        rp_hash_digits(m.key, digits);
+        for (sweep_output *o = outputs + m.output; o < outputs + m.output + m.n_outputs; o++)
+            if (!(o->stored = rp_text(&e->arena, "%s %.16s", o->name, digits))) return RP_NO_MEMORY;
+    }
+    return RP_OK;
+}
+
 static rp_status describe(experiment *e)
 {
     const rp_lets *lets = &e->text.lets;
@@ -293,9 +302,10 @@ static rp_status describe(experiment *e)
             RP_TRY(add_let(e, &lets->lets[k]));
     RP_NEW(&e->arena, outputs, n);
     for (size_t k = 0; k < n; k++) {
-        outputs[k] = (sweep_output){o[k].name, o[k].unit, o[k].meaning};
+        outputs[k] = (sweep_output){o[k].name, o[k].unit, o[k].meaning, NULL};
         RP_TRY(check_output(e, outputs, k));
     }
+    RP_TRY(name_stored(e, outputs));
     e->protocol.outputs = outputs;
     e->n_params = e->n_lets;
     e->protocol.schema = e->schema;

@@ -21,6 +21,7 @@ typedef struct {
     const char *name;
     const char *unit; /* "" where there is none */
     const char *meaning;
+    const char *stored; /* its name in a store, which also tells how it is measured; NULL: `name` */
 } sweep_output;
 
 /* What one run yields. `status` is one of the protocol's words, "ok" for a full result; values that the

@@ -1,10 +1,12 @@
 /* The store of a sweep: a dictionary from key to row, a SQLite file with one writer. Tables:
  *   sweep  name, value: protocol, file (name of the sweep file as it was given), model
  *   runs   key, status, message, seconds, parameters (JSON: those that the file gives), results (JSON: an
- *          output without a value is null), program; a row a finished run
- * Which runs there are follows from the sweep's file, and the store is asked for them by key. Rows are
- * committed in groups of a quarter of a second, each synced to the disk. An open store is the parent's alone:
- * no worker touches it. Its rollback journal works on file systems of several machines too. */
+ *          output without a value is null; the name of a measure has the hash of its text), program; a row
+ *          a finished run
+ * A row that lacks an output, of a measure that is new in the text, is run again and keeps what it has. Which
+ * runs there are follows from the sweep's file, and the store is asked for them by key. Rows are committed in
+ * groups of a quarter of a second, each synced to the disk. An open store is the parent's alone: no worker
+ * touches it. Its rollback journal works on file systems of several machines too. */
 #include "sweeps/engine/private.h"
 
 #include <jansson.h>
@@ -20,6 +22,10 @@
 enum { FORMAT = 5, PATIENCE_MS = 60000 };
 static const double GROUP_SECONDS = 0.25;
 #define COLUMNS "key, status, message, seconds, parameters, results, program"
+/* Of a row that is there, what the other has of results besides. */
+#define UNITES                                                                                               \
+    " ON CONFLICT (key) DO UPDATE SET results = unite(results, excluded.results) WHERE results <> "          \
+    "excluded.results"
 
 static rp_status failed(const sweep_store *s)
 {
@@ -81,6 +87,8 @@ rp_status sweep_store_open(const char *path, bool writes, sweep_store **store)
     sqlite3_free(name);
     if (opened != SQLITE_OK) return failed(s);
     sqlite3_busy_timeout(s->db, PATIENCE_MS);
+    sqlite3_create_function(s->db, "unite", 2, SQLITE_UTF8 | SQLITE_DETERMINISTIC, NULL, unite_results, NULL,
+                            NULL);
     RP_TRY(check_format(s, "main", &empty));
     if (!writes)
         return empty ? rp_fail(RP_BAD_INPUT, "%s: holds no sweep; `repose sweep plan` makes it", path)
@@ -125,6 +133,11 @@ rp_status sweep_store_write_notes(sweep_store *s, const sweep_plan *plan, const 
 
 /* ---- rows ---- */
 
+static const char *name_of(const sweep_output *o)
+{
+    return o->stored ? o->stored : o->name;
+}
+
 static char *results_text(const sweep_output outputs[], const double values[])
 {
     sqlite3_str *text = sqlite3_str_new(NULL);
@@ -133,18 +146,45 @@ static char *results_text(const sweep_output outputs[], const double values[])
         char number[32];
         snprintf(number, sizeof number, "%.17g", v);
         sqlite3_str_appendf(text, isinf(v) ? "%s\"%s\":\"%s\"" : "%s\"%s\":%s", i > 0 ? "," : "{",
-                            outputs[i].name, isnan(v) ? "null" : number);
+                            name_of(&outputs[i]), isnan(v) ? "null" : number);
     }
     sqlite3_str_appendall(text, sqlite3_str_length(text) ? "}" : "{}");
     return sqlite3_str_finish(text);
 }
 
-/* NaN for null, and for an output that the row lacks. */
+static bool has_all(const char *text, const sweep_output outputs[])
+{
+    char name[320];
+    bool all = text != NULL;
+    for (size_t i = 0; all && outputs[i].name; i++) {
+        snprintf(name, sizeof name, "\"%s\":", name_of(&outputs[i]));
+        all = strstr(text, name) != NULL;
+    }
+    return all;
+}
+
+/* SQL: the results of both texts; of one name the first's. */
+static void unite_results(sqlite3_context *context, int n, sqlite3_value **texts)
+{
+    json_t *all = json_loads((const char *)sqlite3_value_text(texts[0]), JSON_DECODE_INT_AS_REAL, NULL),
+           *more = json_loads((const char *)sqlite3_value_text(texts[1]), JSON_DECODE_INT_AS_REAL, NULL);
+    (void)n;
+    json_object_update_missing(all, more);
+    char *text = json_dumps(all, JSON_COMPACT | JSON_REAL_PRECISION(17));
+    if (text)
+        sqlite3_result_text(context, text, -1, free);
+    else
+        sqlite3_result_error(context, "results are no JSON", -1);
+    json_decref(all);
+    json_decref(more);
+}
+
+/* NaN for null. */
 static bool read_results(const char *text, const sweep_output outputs[], double values[])
 {
     json_t *all = text ? json_loads(text, JSON_DECODE_INT_AS_REAL, NULL) : NULL;
     for (size_t i = 0; outputs[i].name; i++) {
-        const json_t *v = json_object_get(all, outputs[i].name);
+        const json_t *v = json_object_get(all, name_of(&outputs[i]));
         values[i] = json_is_real(v)     ? json_real_value(v)
                     : json_is_string(v) ? strtod(json_string_value(v), NULL)
                                         : NAN;
@@ -156,7 +196,11 @@ static bool read_results(const char *text, const sweep_output outputs[], double 
 
 rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep_row *row)
 {
-    static const char sql[] = "INSERT INTO main.runs (" COLUMNS ") VALUES (?, ?, ?, ?, ?, ?, ?)";
+    static const char sql[] =
+        "INSERT INTO main.runs (" COLUMNS ") VALUES (?, ?, ?, ?, ?, ?, ?) ON CONFLICT (key) DO UPDATE SET"
+        " status = excluded.status, message = excluded.message, seconds = excluded.seconds,"
+        " results = unite(excluded.results, results), program = excluded.program"
+        " WHERE excluded.status NOT IN " RP_MACHINE_STATUS;
     char key[33], parameters[8192], program[256];
     if (!s->insert && sqlite3_prepare_v2(s->db, sql, -1, &s->insert, NULL) != SQLITE_OK) return failed(s);
     if (!s->pending) RP_TRY(run_sql(s, "BEGIN IMMEDIATE"));
@@ -229,8 +273,10 @@ rp_status sweep_store_visit(sweep_store *s, const sweep_plan *plan, bool values,
         sweep_plan_key(plan, r, key);
         sqlite3_bind_text(s->find, 1, key, -1, SQLITE_STATIC);
         const int rc = sqlite3_step(s->find);
-        if (rc == SQLITE_ROW) status = read_row(s, plan, r, values, &row);
-        if (rc == SQLITE_ROW && !status) status = visit(&row, context);
+        const bool whole = rc == SQLITE_ROW &&
+                           has_all((const char *)sqlite3_column_text(s->find, 2), plan->protocol->outputs);
+        if (whole) status = read_row(s, plan, r, values, &row);
+        if (whole && !status) status = visit(&row, context);
         if (rc != SQLITE_ROW && rc != SQLITE_DONE) status = failed(s);
         sqlite3_reset(s->find);
     }
@@ -294,7 +340,7 @@ static rp_status take_source(sweep_store *s, const sweep_plan *plan)
     RP_TRY(find_conflict(s));
     return run_sql(s, "DELETE FROM temp.runs WHERE status IN " RP_MACHINE_STATUS
                       " AND key IN (SELECT key FROM source.runs WHERE status NOT IN " RP_MACHINE_STATUS ");"
-                      "INSERT OR IGNORE INTO temp.runs SELECT " COLUMNS " FROM source.runs");
+                      "INSERT INTO temp.runs SELECT " COLUMNS " FROM source.runs WHERE true" UNITES);
 }
 
 rp_status sweep_store_unite(sweep_store *s, const sweep_plan *plan, size_t n, char *const paths[])
@@ -319,7 +365,8 @@ rp_status sweep_store_part(sweep_store *s)
 rp_status sweep_store_merge(sweep_store *s, const sweep_plan *plan, size_t n, char *const paths[])
 {
     RP_TRY(sweep_store_unite(s, plan, n, paths));
-    RP_TRY(run_sql(s, "BEGIN IMMEDIATE; DELETE FROM main.runs WHERE status IN " RP_MACHINE_STATUS ";"
-                      "INSERT OR IGNORE INTO main.runs SELECT " COLUMNS " FROM temp.runs; COMMIT"));
+    RP_TRY(run_sql(s,
+                   "BEGIN IMMEDIATE; DELETE FROM main.runs WHERE status IN " RP_MACHINE_STATUS ";"
+                   "INSERT INTO main.runs SELECT " COLUMNS " FROM temp.runs WHERE true" UNITES "; COMMIT"));
     return sweep_store_part(s);
 }
