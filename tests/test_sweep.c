@@ -541,7 +541,7 @@ static void test_stop(void)
     CHECK_OK(sweep_run(dir, toys, &o, &c)); /* nothing to do */
     CU_ASSERT(calls == before && c.stored == SLOW_RUNS);
     sql("DELETE FROM sweep"); /* as it is before a plan has been entered */
-    CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "plan again with");
+    CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "holds no sweep");
 }
 
 static void test_crash(void)

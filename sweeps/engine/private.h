@@ -60,6 +60,7 @@ typedef struct {
     sqlite3_stmt *insert, *find;
     double committed; /* rp_clock; 0: never */
     bool pending;     /* rows that are not committed yet */
+    bool empty;       /* a file that has just been made, without tables */
     char path[4096];
 } sweep_store;
 
@@ -103,13 +104,13 @@ const char *sweep_plan_describe(const sweep_plan *plan, size_t point, char *buff
 /* "{"mu":0.2,"W":4}": what the file fixes and the grid's values. `size` is 8192 or more; returns `buffer`. */
 const char *sweep_plan_parameters(const sweep_plan *plan, size_t point, char *buffer, size_t size);
 
-/* Open a store: to read it; to write, made if there is none. Afterwards sweep_store_close, also after an
- * error. All functions of the store fail with RP_IO, and what is committed stays. */
+/* Open a store: to read it; to write, an empty one if there is none. Afterwards sweep_store_close, also after
+ * an error. All functions of the store fail with RP_IO, and what is committed stays. */
 rp_status sweep_store_open(const char *path, bool writes, sweep_store **store);
 void sweep_store_close(sweep_store *store);
 
-/* What a store says of itself: protocol, file, model; "" of what it does not say. Writing them is
- * an error, RP_BAD_INPUT, if the store belongs to another protocol. */
+/* What a store says of itself: protocol, file, model; "" of what it does not say. Writing them makes an empty
+ * store one. Errors: RP_BAD_INPUT if the store belongs to another protocol. */
 rp_status sweep_store_note(sweep_store *store, const char *name, char *value, size_t size);
 rp_status sweep_store_write_notes(sweep_store *store, const sweep_plan *plan, const char *file);
 

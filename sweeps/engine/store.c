@@ -77,7 +77,6 @@ static rp_status check_format(sweep_store *s, const char *schema, bool *empty)
 rp_status sweep_store_open(const char *path, bool writes, sweep_store **store)
 {
     sweep_store *s = *store = calloc(1, sizeof **store);
-    bool empty;
     if (!s) return rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
     snprintf(s->path, sizeof s->path, "%s", path);
     /* a reader too takes back what a writer that was killed left half done */
@@ -89,20 +88,10 @@ rp_status sweep_store_open(const char *path, bool writes, sweep_store **store)
     sqlite3_busy_timeout(s->db, PATIENCE_MS);
     sqlite3_create_function(s->db, "unite", 2, SQLITE_UTF8 | SQLITE_DETERMINISTIC, NULL, unite_results, NULL,
                             NULL);
-    RP_TRY(check_format(s, "main", &empty));
-    if (!writes)
-        return empty ? rp_fail(RP_BAD_INPUT, "%s: holds no sweep; `repose sweep plan` makes it", path)
-                     : RP_OK;
+    RP_TRY(check_format(s, "main", &s->empty));
     /* EXTRA: the removal of the journal, which is the commit, reaches the disk too. Keys come in no order:
      * 64 MB hold the index of a million rows. */
-    return run_sql(
-        s,
-        "PRAGMA synchronous = EXTRA; PRAGMA cache_size = -64000; BEGIN IMMEDIATE;"
-        "PRAGMA user_version = %d;"
-        "CREATE TABLE IF NOT EXISTS sweep (name TEXT PRIMARY KEY, value TEXT NOT NULL);"
-        "CREATE TABLE IF NOT EXISTS runs (key TEXT PRIMARY KEY, status TEXT NOT NULL, message TEXT,"
-        " seconds REAL, parameters TEXT, results TEXT, program TEXT); COMMIT",
-        FORMAT);
+    return writes ? run_sql(s, "PRAGMA synchronous = EXTRA; PRAGMA cache_size = -64000") : RP_OK;
 }
 
 void sweep_store_close(sweep_store *s)
@@ -117,7 +106,8 @@ void sweep_store_close(sweep_store *s)
 
 rp_status sweep_store_note(sweep_store *s, const char *name, char *value, size_t size)
 {
-    return ask(s, value, size, "SELECT value FROM main.sweep WHERE name = %Q", name);
+    *value = '\0';
+    return s->empty ? RP_OK : ask(s, value, size, "SELECT value FROM main.sweep WHERE name = %Q", name);
 }
 
 rp_status sweep_store_write_notes(sweep_store *s, const sweep_plan *plan, const char *file)
@@ -127,8 +117,15 @@ rp_status sweep_store_write_notes(sweep_store *s, const sweep_plan *plan, const 
     if (*owner && strcmp(owner, plan->protocol->name) != 0)
         return rp_fail(RP_BAD_INPUT, "%s: holds runs of protocol \"%s\", not \"%s\"; plan in another folder",
                        s->path, owner, plan->protocol->name);
-    return run_sql(s, "REPLACE INTO sweep VALUES ('protocol', %Q), ('file', %Q), ('model', %Q)",
-                   plan->protocol->name, file, plan->model);
+    s->empty = false;
+    return run_sql(
+        s,
+        "BEGIN IMMEDIATE; PRAGMA user_version = %d;"
+        "CREATE TABLE IF NOT EXISTS sweep (name TEXT PRIMARY KEY, value TEXT NOT NULL);"
+        "CREATE TABLE IF NOT EXISTS runs (key TEXT PRIMARY KEY, status TEXT NOT NULL, message TEXT,"
+        " seconds REAL, parameters TEXT, results TEXT, program TEXT);"
+        "REPLACE INTO sweep VALUES ('protocol', %Q), ('file', %Q), ('model', %Q); COMMIT",
+        FORMAT, plan->protocol->name, file, plan->model);
 }
 
 /* ---- rows ---- */

@@ -99,6 +99,8 @@ static rp_status open_main(const sweep_protocol *const *protocols, bool writes, 
     RP_TRY(sweep_store_open(folder->sqlite, writes, &folder->store));
     RP_TRY(sweep_store_note(folder->store, "model", model, sizeof model));
     if (strcmp(model, folder->plan.model) == 0) return RP_OK;
+    if (!*model)
+        return rp_fail(RP_BAD_INPUT, "%s: holds no sweep; `repose sweep plan` makes it", folder->sqlite);
     return rp_fail(
         RP_BAD_INPUT,
         "%s: planned with another model of the physics (%s), not with this one (%s); plan again with "
