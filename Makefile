@@ -83,7 +83,7 @@ $(B)/check: $(CHECK) $(LIBRARY) | $(B)/core
 $(REPOSE) $(REPORT) $(B)/check:
 	@echo "link    $@" && $(CC) $(CFLAGS) $^ $(if $(filter %/check,$@),$$(pkg-config --libs cunit)) $(LIBS) -o $@
 
-lint: $(LIBRARY) $(REPOSE) $(REPORT) ## order of the rooms, prefixes of the modules, tables of figures, clang-format
+lint: $(LIBRARY) $(REPOSE) $(REPORT) $(B)/check ## order of the rooms, prefixes of the modules, tables of figures, clang-format
 	@sh tests/lint.sh $(B) $(MODULES)
 standalone: $(B)/core ## build/core: a pile of grains, of examples/core.c and the core alone
 $(B)/libalone.a: $(ALONE)

@@ -4,9 +4,10 @@
     python3 tests/rooms.py BUILD        from the top of the tree, after the objects in BUILD/obj are made
 
 tests/rooms.txt has the order. A circle is looked for among the objects: one file uses a name, function or data, that
-another one defines, so that a circle through descriptors counts too.
+another one defines, so that a circle through descriptors counts too. A name that is exported must be used by another file.
 """
 import collections
+import glob
 import os
 import re
 import subprocess
@@ -79,8 +80,8 @@ def wrong_includes(sources, rooms, uses):
                 yield f"{path}:{number}: {rooms[own].name} must not include {name}, which stands above it"
 
 
-def circles(sources, build):
-    """Sets of files that use one another in a circle (Tarjan's strongly connected components)."""
+def names_of(sources, build):
+    """The file that defines each name, and the names that each file uses of others."""
     defines, uses = {}, collections.defaultdict(set)
     for path in sources:
         thing = f"{build}/obj/{path[:-2]}.o"
@@ -91,6 +92,22 @@ def circles(sources, build):
                     uses[path].add(name)
                 else:
                     defines[name] = path
+    return defines, uses
+
+
+def unused(sources, build):
+    """Names that no other file uses, nor a test: a descriptor that is in no list, or what should be static."""
+    defines, uses = names_of(sources, build)
+    more = [path for folder in ("tests", "validation", "examples") for path in glob.glob(folder + "/**/*.c", recursive=True)]
+    used = set().union(*uses.values(), *names_of(more, build)[1].values(), {"main"})
+    for name, path in defines.items():
+        if name not in used:
+            yield f"{path}: {name} is used by no other file"
+
+
+def circles(sources, build):
+    """Sets of files that use one another in a circle (Tarjan's strongly connected components)."""
+    defines, uses = names_of(sources, build)
     graph = {path: {defines[name] for name in names if name in defines} - {path} for path, names in uses.items()}
     order, low, stack, found = {}, {}, [], []
 
@@ -121,6 +138,7 @@ def main(build):
     sources = sources_of(rooms)
     bad = list(wrong_includes(sources, rooms, uses))
     bad += ["these files use one another in a circle: " + " ".join(part) for part in circles(sources, build)]
+    bad += unused(sources, build)
     for folder, count in collections.Counter(os.path.dirname(p) for p in sources if p.endswith(".c")).items():
         if count > MOST_SOURCES:
             bad.append(f"{folder} has {count} .c files, more than {MOST_SOURCES}")

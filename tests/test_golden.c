@@ -184,12 +184,17 @@ static void test_protocols(void)
 
 /* ---- Each of a list ---- */
 
-/* The digest of this name stands in tests/golden.txt, as an output of run 0. */
-static void check_named(const char *name, uint64_t digest)
+static const char *golden_text(void)
 {
     static char *text;
     if (!text) text = file_read("tests/golden.txt", &(size_t){0});
-    const char *key = check_text("\n0\t0\t%s\t", name), *row = strstr(text, key);
+    return text;
+}
+
+/* The digest of this name stands in tests/golden.txt, as an output of run 0. */
+static void check_named(const char *name, uint64_t digest)
+{
+    const char *key = check_text("\n0\t0\t%s\t", name), *row = strstr(golden_text(), key);
     if (RP_MODEL_VERSION == GOLDEN_VERSION && row && strtoull(row + strlen(key), NULL, 16) == digest) return;
     fprintf(stderr, "tests/golden.txt has another value: 0\t0\t%s\t0x%016llx\n", name,
             (unsigned long long)digest);
@@ -346,6 +351,17 @@ static const struct {
 #undef X
 };
 
+/* Each digest there is of a name of these lists, or of a function. */
+static void test_names(void)
+{
+    size_t n = 0;
+    for (const char *row = golden_text(); (row = strstr(row, "\n0\t0\t")); row++) {
+        const size_t name = strcspn(row + 5, "\t");
+        n += strncmp(row + 5 + name, "\t0x", 3) == 0 && strncmp(row + 5, "function.", 9) != 0;
+    }
+    CU_ASSERT_EQUAL(n, sizeof listed / sizeof *listed);
+}
+
 static void test_laws(void)
 {
     if (CHECK_SKIPS("the suite laws runs them")) return;
@@ -436,4 +452,4 @@ static void test_scene(void)
     check_digest("scene", XXH3_64bits(values, sizeof values), SCENE_DIGEST);
 }
 
-CHECK_SUITE(golden, "golden digests", test_protocols, test_laws, test_functions, test_scene)
+CHECK_SUITE(golden, "golden digests", test_protocols, test_names, test_laws, test_functions, test_scene)

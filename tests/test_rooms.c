@@ -10,23 +10,26 @@ static void plant(void)
 {
     enter();
     write_text("rooms.txt", "core src/low core\ntop src/high tool < core\n");
-    CU_ASSERT_EQUAL_FATAL(shell("mkdir -p tests src/low src/high build/obj/src/low build/obj/src/high; "
-                                "mv rooms.txt tests; >out 2>err"),
-                          0);
+    CU_ASSERT_EQUAL_FATAL(
+        shell("mkdir -p tests src/low src/high build/obj/tests build/obj/src/low build/obj/src/high; "
+              "mv rooms.txt tests; >out 2>err"),
+        0);
     write_text("src/low/low.h", "extern int (*const low)(void);\n");
     write_text("src/low/low.c", "#include \"low/low.h\"\nstatic int f(void) { return 1; }\n"
                                 "int (*const low)(void) = f;\n");
     write_text("src/high/high.c", "#include \"low/low.h\"\n#include \"high/grey.gp\"\nint high(void);\n"
                                   "int high(void) { return low(); }\n");
     write_text("src/high/grey.gp", "\n");
+    write_text("tests/test.c", "int high(void);\nint test(void) { return high(); }\n");
 }
 
 /* What it says of the tree, "" for nothing. */
 static void check_says(const char *expected)
 {
-    const int status = shell_line("for f in src/*/*.c; do gcc -Isrc -c $f -o build/obj/${f%%.c}.o || exit 9; "
-                                  "done; python3 -B %s build >out 2>err",
-                                  script);
+    const int status =
+        shell_line("for f in src/*/*.c tests/*.c; do gcc -Isrc -c $f -o build/obj/${f%%.c}.o || exit 9; "
+                   "done; python3 -B %s build >out 2>err",
+                   script);
     CU_ASSERT_EQUAL(status, *expected != '\0');
     CU_ASSERT_STRING_EQUAL(out, expected);
     leave();
@@ -48,9 +51,12 @@ static void test_rooms(void)
     check_says("lint: src/low/more.c:1: includes absent/b.h, which is in no room of tests/rooms.txt\n");
     plant();
     write_text("src/high/more.c", "int high(void);\nint (*const more)(void) = high;\n");
-    write_text("src/high/high.c", "extern int (*const more)(void);\nint high(void);\n"
-                                  "int high(void) { return more(); }\n");
+    write_text("src/high/high.c", "#include \"low/low.h\"\nextern int (*const more)(void);\n"
+                                  "int high(void);\nint high(void) { return more() + low(); }\n");
     check_says("lint: these files use one another in a circle: src/high/high.c src/high/more.c\n");
+    plant();
+    write_text("src/low/more.c", "const int descriptor = 1;\n");
+    check_says("lint: src/low/more.c: descriptor is used by no other file\n");
     plant();
     write_text("tests/rooms.txt", "core src/high core\ncore src/low core\n");
     check_says("lint: src/high/high.c:1: src/high must not include low/low.h, which stands above it\n");

@@ -54,7 +54,8 @@ void rp_tally_text(const rp_tally *t, char text[1024])
                                  t->of[i].times);
 }
 
-rp_status rp_column_list(const rp_table *table, const char *names, size_t most, size_t *n, int columns[])
+/* The n columns of the list `names` ("a,b,..."), at most `most`. Errors: RP_BAD_INPUT. */
+static rp_status column_list(const rp_table *table, const char *names, size_t most, size_t *n, int columns[])
 {
     char header[1024];
     *n = 0;
@@ -79,7 +80,7 @@ rp_status rp_columns(rp_arena *arena, const rp_table *table, const char *names, 
     *n = table->n_columns;
     *columns = rp_arena_memory(arena, *n + strlen(names), sizeof **columns);
     for (size_t c = 0; c < *n; c++) (*columns)[c] = (int)c;
-    return strcmp(names, "all") == 0 ? RP_OK : rp_column_list(table, names, strlen(names), n, *columns);
+    return strcmp(names, "all") == 0 ? RP_OK : column_list(table, names, strlen(names), n, *columns);
 }
 
 void rp_columns_beside(const rp_table *table, const char *names, char text[256])
@@ -97,7 +98,7 @@ rp_status rp_columns_read(rp_arena *arena, const rp_table *table, const char *na
 {
     int columns[RP_MOST_COLUMNS];
     size_t n, used = 0;
-    RP_TRY(rp_column_list(table, names, RP_MOST_COLUMNS, &n, columns));
+    RP_TRY(column_list(table, names, RP_MOST_COLUMNS, &n, columns));
     RP_NEW(arena, *block, n * table->n_rows);
     for (size_t c = 0; c < n; c++)
         for (size_t i = 0; i < table->n_rows; i++)
@@ -166,7 +167,7 @@ rp_status rp_rows_read(rp_arena *arena, const rp_table *t, const char *names, co
     int columns[RP_MOST_COLUMNS];
     size_t k;
     *r = (rp_rows){0};
-    RP_TRY(rp_column_list(t, names, RP_MOST_COLUMNS, &k, columns));
+    RP_TRY(column_list(t, names, RP_MOST_COLUMNS, &k, columns));
     const int word = choice->any_status ? -1 : rp_table_column(t, "status");
     double *numbers = rp_arena_memory(arena, t->n_rows * k, sizeof *numbers);
     ranked *rank = rp_arena_memory(arena, t->n_rows, sizeof *rank);
@@ -214,7 +215,7 @@ rp_status rp_header_by(const rp_table *table, const char *by, const char *own, F
     char text[4096], name[12], unit[32];
     int columns[MOST_BY];
     size_t n = 0, used = 0;
-    if (strcmp(by, "none") != 0) RP_TRY(rp_column_list(table, by, MOST_BY, &n, columns));
+    if (strcmp(by, "none") != 0) RP_TRY(column_list(table, by, MOST_BY, &n, columns));
     for (size_t i = 0; i < n; i++) {
         rp_column_unit(table, columns[i], unit);
         used += (size_t)snprintf(text + used, sizeof text - used, "%.100s [%s], ",
@@ -230,7 +231,7 @@ rp_status rp_group_rows(rp_arena *arena, const rp_table *t, const char *by, char
     size_t n_by = 0;
     int columns[MOST_BY];
     *g = (rp_groups){0};
-    if (strcmp(by, "none") != 0) RP_TRY(rp_column_list(t, by, MOST_BY, &n_by, columns));
+    if (strcmp(by, "none") != 0) RP_TRY(column_list(t, by, MOST_BY, &n_by, columns));
     RP_NEW(arena, g->of_row, t->n_rows);
     RP_NEW(arena, g->words, t->n_rows);
     for (size_t i = 0; i < t->n_rows; i++) {

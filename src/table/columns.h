@@ -13,9 +13,6 @@ RP_C_BEGIN
 rp_status rp_table_keep(rp_arena *arena, const char *path, char *text, rp_table **table);
 rp_status rp_table_load(rp_arena *arena, const char *path, rp_table **table);
 
-/* The n columns of the list `names` ("a,b,..."), at most `most`. Errors: RP_BAD_INPUT. */
-rp_status rp_column_list(const rp_table *table, const char *names, size_t most, size_t *n, int columns[]);
-
 /* Errors: RP_USAGE for a list of columns, such as an option that names one column can't have. */
 rp_status rp_one_column(const char *option, const char *name);
 
