@@ -19,7 +19,7 @@ PKGS     := gsl libconfig sqlite3 libxxhash jansson
 $(if $(filter setup help clean uninstall,$(MAKECMDGOALS))$(shell pkg-config --exists $(PKGS) && echo y),,$(error packages are missing: `make setup` installs them))
 LIBS      = $$(pkg-config --libs $(PKGS)) -lcholmod -lm $(if $(SAN),,-pie -Wl,-z,relro,-z,now)
 # module=prefix of its exported names; dependents before what they depend on. A module's rooms stand in tests/rooms.txt.
-MODULES := sweep=sweep_ view=view_ export=export_ exp=exp_ analytic=an_ dem=dem_ statics=statics_ angle=ang_ stress=stress_ stats=stats_ core=rp_
+MODULES := sweep=sweep_ run=run_ view=view_ export=export_ exp=exp_ analytic=an_ dem=dem_ statics=statics_ angle=ang_ stress=stress_ stats=stats_ core=rp_
 module   = $(word 1,$(subst =, ,$(1)))
 rooms    = $(shell awk '$$1 == "$(1)" { print $$2 }' tests/rooms.txt)
 objects  = $(patsubst %.c,$(B)/obj/%.o,$(wildcard $(1:%=%/*.c)))

@@ -39,6 +39,7 @@
     X(suite_midpoint)                                                                                        \
     X(suite_ledger)                                                                                          \
     X(suite_snapshot)                                                                                        \
+    X(suite_run)                                                                                             \
     X(suite_walls)                                                                                           \
     X(suite_docs)                                                                                            \
     X(suite_examples)                                                                                        \

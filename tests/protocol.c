@@ -45,7 +45,7 @@ static void no_header(const void *context, rp_units units, FILE *table)
 void protocol_trace(const sweep_protocol *protocol, const void *params, long every, sweep_result *result)
 {
     const char *folder = path_of("t");
-    SHELL("rm -rf t");
+    SHELL("rm -rf t && mkdir t");
     CHECK_OK(protocol->check(params));
     CHECK_OK(protocol->run(params, 1993, 0, &(sweep_tables){folder, every, no_header}, result));
 }

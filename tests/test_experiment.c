@@ -665,26 +665,6 @@ static void test_run(void)
     SHELL("grep -qx '# status: deep' o/measures.tsv && ! test -e o.part");
 }
 
-/* Killed before ever later calls that change a file, in each phase, the same command goes on: the same bytes.
- */
-static void test_resumed(void)
-{
-#define RUN_HOPPER "run h.cfg -o o --every 700 --ledger"
-    int status = -1, kills = 0;
-    write_trial("h.cfg", hopper);
-    SHELL("$REPOSE " RUN_HOPPER " >whole.out 2>/dev/null && mv o whole");
-    for (long n = 1; status != 0 && n < 200; n += 3) {
-        status = run_by_minutes(SIGKILL, "", n, RUN_HOPPER);
-        CU_ASSERT(status == 0 || status == 128 + SIGKILL);
-        kills += status != 0;
-    }
-    CU_ASSERT(status == 0 && kills > 4);
-    SHELL("diff -r whole o && ! test -e o.part && rm -r o");
-    CU_ASSERT(run_by_minutes(SIGINT, "snapshot", 2, "run h.cfg -o o") == 75);
-    CHECK_PARTS(err, "stopped at step ", " of f", "; the same command continues");
-    FAILS(65, "o.part: holds h.cfg, phases, ", "run h.cfg --set mu=0.3 -o o");
-}
-
 static void test_swept(void)
 {
     write_trial("h.cfg", hopper);
@@ -706,13 +686,9 @@ static void test_swept(void)
     GOOD("view row --frame flow -o row.svg");
     FAILS(64, "or a phase that has ended", "view row --frame flows -o row.svg");
     GOOD("sweep status s");
-    /* in shards, with the same digest; killed and gone on with */
+    /* in shards, with the same digest */
     SHELL("mv gone.cfg h.cfg && $REPOSE sweep plan s.cfg -o p >/dev/null");
-    for (int k = 1; k < 4; k++) {
-        const char *words = check_text("sweep run p --shard %d/3 -j 1 --quiet", k);
-        CU_ASSERT(run_signalled(SIGKILL, "clock", 9 * k, words) == 128 + SIGKILL);
-        GOOD("%s", words);
-    }
+    for (int k = 1; k < 4; k++) GOOD("sweep run p --shard %d/3 -j 1 --quiet", k);
     SHELL("$REPOSE sweep merge p >/dev/null && [ \"$($REPOSE sweep digest s)\" = \"$($REPOSE sweep digest "
           "p)\" ]");
     /* with other measures the runs are made again; those of before come back with their measures */
@@ -1565,5 +1541,5 @@ CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, te
                    test_flanks_of_touching, test_avalanches, test_limits_of_radii, test_limits_at_walls,
                    test_printed_limits, test_windows_of_modules, test_more_modules, test_mean_grain,
                    test_refused_more, test_cuts, test_kept, test_where, test_started_at, test_words,
-                   test_refused, test_keys, test_random_texts, test_run, test_resumed, test_swept,
-                   test_other_measures, test_sweeps_refused, test_slow_turns, test_computed_again)
+                   test_refused, test_keys, test_random_texts, test_run, test_swept, test_other_measures,
+                   test_sweeps_refused, test_slow_turns, test_computed_again)

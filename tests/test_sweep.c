@@ -14,7 +14,6 @@
 #include "core/file.h"
 #include "core/version.h"
 #include "dem/scene/text.h"
-#include "sweeps/engine/keep.h"
 #include "sweeps/engine/private.h"
 #include "tests/faults.h"
 #include "tests/protocol.h"
@@ -981,89 +980,6 @@ static void test_bad_folders(void)
     fclose(full);
 }
 
-/* ---- kept variables ---- */
-
-static bool holds(FILE *table, const char *text)
-{
-    char all[64] = "";
-    rewind(table);
-    return fread(all, 1, sizeof all - 1, table) == strlen(text) && strcmp(all, text) == 0;
-}
-
-static void begin_keep(sweep_keep *k, const char *path, const char *key, char why[256])
-{
-    *k = (sweep_keep){.path = path, .key = key, .interval = 1e9};
-    sweep_keep_begin(k, why, 256);
-}
-
-/* What the snapshots of the test hold. */
-typedef struct {
-    double value;
-    FILE *table;
-} kept_pair;
-
-static void keep_both(rp_snapshot *s, void *data)
-{
-    kept_pair *k = data;
-    RP_KEEP(s, k->value);
-    sweep_keep_file(s, k->table);
-}
-
-/* A snapshot is written when it is due or asked for; a later process gets what it holds. */
-static void test_keep(void)
-{
-    char why[256];
-    volatile bool stop = true;
-    kept_pair now = {2.5, tmpfile()}, later = {0.0, tmpfile()};
-    sweep_keep k;
-    fresh("");
-    const char *path = folder_path(base, "kept"), *unfinished = check_text("%s.new", path);
-    fputs("two rows\n", now.table);
-    begin_keep(&k, path, "run 5", why);
-    CU_ASSERT(!*why);
-    CHECK_OK(sweep_keep_resume(NULL, keep_both, &now));
-    CHECK_OK(sweep_keep_resume(&k, keep_both, &now));
-    CHECK_OK(sweep_keep_look(&k));
-    CU_ASSERT(now.value == 2.5 && size_of(path) == -1);
-    k.next = rp_cpu_clock();
-    for (int looks = 0; looks <= 256 && size_of(path) == -1; looks++) CHECK_OK(sweep_keep_look(&k));
-    CU_ASSERT(size_of(path) > 0 && k.next > 1e9);
-    now.value = 3.5;
-    k.stop = &stop;
-    CHECK_FAILS(sweep_keep_look(&k), RP_STOPPED, "stopped");
-    sweep_keep_end(&k, false);
-    fputs("a row that is not there yet\n", later.table);
-    begin_keep(&k, path, "run 6", why);
-    CU_ASSERT(*why);
-    CHECK_OK(sweep_keep_resume(&k, keep_both, &later));
-    CU_ASSERT(later.value == 0.0);
-    begin_keep(&k, path, "run 5", why);
-    CHECK_OK(sweep_keep_resume(&k, keep_both, &later));
-    CU_ASSERT(!*why && later.value == 3.5 && holds(later.table, "two rows\n"));
-    CHECK_OK(sweep_keep_look(&k));
-    file_write(unfinished, "", 0);
-    sweep_keep_end(&k, true);
-    CU_ASSERT(size_of(path) == -1 && size_of(unfinished) == -1);
-    fclose(now.table), fclose(later.table);
-}
-
-/* A table of no more than what a snapshot holds is read from it. */
-static void test_keep_limits(void)
-{
-    unsigned char bytes[sizeof(size_t) + 8] = {0};
-    FILE *table = tmpfile();
-    for (size_t n = 8; n < 10; n++) {
-        rp_snapshot s = {.reading = true, .bytes = bytes, .n = sizeof bytes, .path = "memory"};
-        memcpy(bytes, &n, sizeof n);
-        memcpy(bytes + sizeof n, "12345678", 8);
-        sweep_keep_file(&s, table);
-        if (n == 8) CU_ASSERT(s.status == RP_OK && holds(table, "12345678"));
-        if (n > 8)
-            CHECK_FAILS(rp_snapshot_end(&s), RP_BAD_INPUT, "memory: its state has a table that is too long");
-    }
-    fclose(table);
-}
-
 /* A process that locks a file, and lives until it is killed. */
 static pid_t start_holder(const char *path)
 {
@@ -1424,7 +1340,7 @@ CHECK_SUITE_WITHIN(sweep, "sweep", NULL, clean, test_order, test_bundles, test_s
                    test_reduce, test_statuses, test_stored_once, test_digest, test_stop, test_crash,
                    test_plan_again, test_replicas, test_models, test_further_output, test_bad_files,
                    test_bad_folders, test_limits, test_within_limits, test_half_made, test_makers,
-                   test_read_only, test_literal_names, test_left_snapshots, test_stop_of_all, test_keep,
-                   test_keep_limits, test_lock, test_full_disk, test_shards, test_digest_of_words, test_merge,
+                   test_read_only, test_literal_names, test_left_snapshots, test_stop_of_all,
+                   test_lock, test_full_disk, test_shards, test_digest_of_words, test_merge,
                    test_merge_of_crashed, test_known_keys, test_digest_of_rows, test_stored_columns,
                    test_recipes, test_physics, test_cleared, test_columns)

@@ -1,9 +1,12 @@
 /* The closing line of a run; see closing.h. */
 #include "cli/closing.h"
 
+#include <limits.h>
 #include <math.h>
 
 #include "core/elementary.h"
+#include "params/units.h"
+#include "table/table.h"
 
 /* The grains, mean diameter, weight times diameter, extent in x and least y. */
 typedef struct {
@@ -56,6 +59,50 @@ rp_status cli_rest_look(rp_arena *arena, const dem_sim *sim, cli_rest *rest)
     rest->passed = passed ? rest->passed + 1 : 0;
     rp_arena_release(arena, mark);
     return RP_OK;
+}
+
+enum { SAMPLES = 64, LEAST_STEPS = 100 * SAMPLES };
+static const double MOST_GROWTH = 0.02; /* of the largest sum of kinetic and elastic energy */
+
+cli_growth cli_growth_of(const dem_scene *scene, const dem_sim *sim)
+{
+    bool driven =
+        scene->steps < LEAST_STEPS || scene->def.turn_per_step != 0.0 || scene->def.box_turn_per_step != 0.0;
+    for (size_t w = 0; w < scene->def.n_walls; w++) {
+        const dem_wall *wall = &dem_walls_of(&scene->def)[w];
+        driven |= wall->open_at_step >= 0 || dem_wall_moves(wall);
+    }
+    return (cli_growth){.every = driven ? 0 : scene->steps / SAMPLES, .grains = dem_count(sim)};
+}
+
+long cli_growth_next(const cli_growth *g, long step)
+{
+    return g->every > 0 ? g->every - step % g->every : LONG_MAX;
+}
+
+void cli_growth_look(cli_growth *g, const dem_sim *sim)
+{
+    dem_energy e;
+    if (g->every == 0 || dem_step(sim) % g->every != 0) return;
+    dem_energies(sim, &e);
+    const double free = e.kinetic + e.elastic + e.rotational;
+    g->scale = fmax(g->scale, free);
+    if (g->n < SAMPLES / 4) g->first += free + e.gravity;
+    if (g->n >= SAMPLES - SAMPLES / 4 && g->n < SAMPLES) g->last += free + e.gravity;
+    g->n++;
+}
+
+void cli_growth_report(const cli_growth *g, const dem_sim *sim, FILE *states)
+{
+    const double grown = (g->last - g->first) / (SAMPLES / 4) / g->scale;
+    char text[160];
+    if (g->n < SAMPLES || dem_count(sim) != g->grains || !(grown > MOST_GROWTH)) return;
+    snprintf(text, sizeof text,
+             "energy grew by %.2g %% of its largest kinetic and elastic part; dt is too large for so little "
+             "damping",
+             100.0 * grown);
+    rp_table_note(states, "warning", "%s", text);
+    fprintf(stderr, "repose run: warning: %s\n", text);
 }
 
 void cli_tell_threads(const dem_sim *sim, const char *command, long threads)

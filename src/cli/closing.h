@@ -24,6 +24,19 @@ typedef struct {
 long cli_rest_next(const cli_rest *rest, long step); /* steps from `step` to the next look, or to the end */
 rp_status cli_rest_look(rp_arena *arena, const dem_sim *sim, cli_rest *rest); /* if this step has one */
 
+/* Energy without source must not grow. Samples of the first and of the last quarter of a long run are
+ * compared: a step near the limit of stability heats a scene with little damping, slowly, endlessly. A growth
+ * is told on standard error and in the table of states, unless a grain has left with its energy. */
+typedef struct {
+    long every; /* steps; 0: no such scene */
+    size_t n, grains;
+    double first, last, scale;
+} cli_growth;
+cli_growth cli_growth_of(const dem_scene *scene, const dem_sim *sim);
+long cli_growth_next(const cli_growth *g, long step); /* steps from `step` to the next sample */
+void cli_growth_look(cli_growth *g, const dem_sim *sim);
+void cli_growth_report(const cli_growth *g, const dem_sim *sim, FILE *states);
+
 /* The closing line on standard error: grains, steps, at rest or not, of a pile at rest its slope, and where
  * the tables are; directory "": on standard output. */
 void cli_close_run(rp_arena *arena, const dem_sim *sim, const cli_rest *rest, const char *directory);

@@ -40,6 +40,7 @@ rp_status exp_check(const exp_plan *plan);
 
 void exp_keep_ledger(exp_plan *plan); /* by its runs */
 
+const dem_text *exp_text(const exp_plan *plan);
 const dem_scene *exp_scene(const exp_plan *plan);
 const exp_output *exp_outputs(const exp_plan *plan, size_t *n); /* ended by a NULL name */
 
@@ -76,8 +77,8 @@ long exp_steps(const exp_run *run);   /* so far */
 const exp_end *exp_ended(const exp_run *run);
 const double *exp_values(const exp_run *run); /* of the outputs; NAN: none */
 
-/* The phase, and how far it is: "discharge: grains = 842, until grains < 300", "fall: step 500 of 2000".
- * Returns `text`. */
+/* The phase, and how far it is: "discharge: grains = 842, until grains < 300", "fall: step 500 of 2000"; of a
+ * scene without phases its steps. Returns `text`. */
 const char *exp_where(const exp_run *run, char *text, size_t size);
 
 /* Phases and blocks in the order of the text. How often one has ended (a block once, with its passes), and

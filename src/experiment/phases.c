@@ -417,6 +417,7 @@ size_t exp_stages(const exp_run *run)
 const char *exp_where(const exp_run *run, char *text, size_t size)
 {
     const exp_plan *plan = run->plan;
+    if (!exp_has_phases(plan->text)) return snprintf(text, size, "%ld", plan->scene.steps), text;
     if (run->at.done || run->at.phase >= plan->n_phases)
         return snprintf(text, size, "%s", run->at.end.status), text;
     const exp_phase *p = phase_of(run);

@@ -201,6 +201,11 @@ void exp_keep_ledger(exp_plan *plan)
     plan->scene.def.ledger = true;
 }
 
+const dem_text *exp_text(const exp_plan *plan)
+{
+    return plan->text;
+}
+
 const dem_scene *exp_scene(const exp_plan *plan)
 {
     return &plan->scene;

@@ -9,8 +9,8 @@
 #include "core/file.h"
 #include "experiment/experiment.h"
 #include "params/config.h"
-#include "params/settings.h"
-#include "sweeps/engine/keep.h"
+#include "params/units.h"
+#include "run/run.h"
 #include "table/columns.h"
 
 /* A let's value among the parameters; the first 8 bytes of those are the experiment. */
@@ -90,131 +90,59 @@ static bool hash(const void *params, XXH128_hash_t *digest)
     return status == RP_OK;
 }
 
-/* Tables of a traced run that grow with it, and what has been written of the ends of its phases. */
+/* A run of these values. */
 typedef struct {
-    const sweep_tables *tables; /* NULL: none */
     exp_plan *plan;
-    exp_run *run;
-    unsigned long seed, stream;
-    sweep_file energy;
-    long *passes; /* of phases, that are written */
-} trace;
+    run_driver driver;
+} row;
 
-static rp_status begin_trace(trace *t)
+static void end_row(row *r)
 {
-    if (!t->tables) return RP_OK;
-    RP_TRY(rp_make_directory(t->tables->directory));
-    t->passes = calloc(exp_phase_count(t->plan) + 1, sizeof *t->passes);
-    if (!t->passes) return rp_fail(RP_NO_MEMORY, "run: out of memory");
-    RP_TRY(sweep_table_open(t->tables, dem_units(exp_sim(t->run)), "energy.tsv", &t->energy));
-    dem_write_columns(DEM_TABLE_ENERGY, exp_sim(t->run), t->energy.out);
-    return RP_OK;
+    run_free(&r->driver);
+    exp_free(r->plan);
 }
 
-static void keep_trace(rp_snapshot *s, void *data)
+/* Start it, or resume it: from a snapshot that is refused anew, if the caller hears of that. */
+static rp_status start(row *r, unsigned long seed, unsigned long stream, const sweep_tables *t)
 {
-    const trace *t = data;
-    exp_keep(s, t->run);
-    if (t->energy.out) sweep_keep_file(s, t->energy.out);
-}
-
-static rp_status note_phase(trace *t, long step)
-{
-    exp_run *const run = t->run;
-    if (!t->energy.out) return RP_OK;
-    const long every = t->tables->every, now = exp_steps(run);
-    if (every > 0 && now != step && now % every == 0)
-        RP_TRY(dem_write_rows(DEM_TABLE_ENERGY, exp_sim(run), now, t->energy.out));
-    for (size_t k = 0; k < exp_phase_count(t->plan); k++) {
-        const exp_passed p = exp_phase_at(run, k);
-        char stage[64];
-        if (p.passes == t->passes[k]) continue;
-        t->passes[k] = p.passes;
-        snprintf(stage, sizeof stage, p.inner ? "%s_%ld" : "%s", p.name, p.passes);
-        if (!p.inner || p.look) RP_TRY(sweep_state_write(t->tables, exp_sim(run), now, stage));
-    }
-    return RP_OK;
-}
-
-static rp_status write_phases(const trace *t)
-{
-    const rp_units units = dem_units(exp_sim(t->run));
-    sweep_file f;
-    RP_TRY(sweep_table_open(t->tables, units, "phases.tsv", &f));
-    rp_table_header(f.out, units, "phase, passes, step, time [s]");
-    for (size_t k = 0; k < exp_phase_count(t->plan); k++) {
-        const exp_passed p = exp_phase_at(t->run, k);
-        char time[32];
-        if (p.passes > 0)
-            fprintf(f.out, "%s\t%ld\t%ld\t%s\n", p.name, p.passes, p.step,
-                    rp_number_text(p.time, 6, time, sizeof time));
-    }
-    return sweep_table_close(&f, RP_OK);
-}
-
-static rp_status write_tables(const trace *t, const void *params)
-{
-    const rp_units units = dem_units(exp_sim(t->run));
-    sweep_file f;
-    for (size_t k = 0; exp_series_name(t->plan, k); k++) {
-        RP_TRY(sweep_table_open(t->tables, units, exp_series_name(t->plan, k), &f));
-        exp_series_write(t->run, k, f.out);
-        RP_TRY(sweep_table_close(&f, RP_OK));
-    }
-    RP_TRY(write_phases(t));
-    RP_TRY(sweep_state_write(t->tables, exp_sim(t->run), exp_steps(t->run), "end"));
-    const dem_text *text = &experiment_of(params)->text; /* of this run, for `repose run` */
-    if (text->lets.foreign) return RP_OK;                /* other units than the text's */
-    RP_TRY(sweep_table_open(t->tables, units, "scene.cfg", &f));
-    dem_text_write(text, t->seed, t->stream, f.out);
-    return sweep_table_close(&f, RP_OK);
-}
-
-/* From its start or its snapshot to the end. */
-static rp_status go(trace *t, sweep_keep *keep)
-{
-    enum { PART = 1000 };
-    exp_run *const run = t->run;
-    const long every = t->tables ? t->tables->every : 0;
-    RP_TRY(begin_trace(t));
-    RP_TRY(sweep_keep_resume(keep, keep_trace, t));
-    for (size_t k = 0; k < exp_phase_count(t->plan) && t->passes; k++)
-        t->passes[k] = exp_phase_at(run, k).passes;
-    while (!exp_done(run)) {
-        const long step = exp_steps(run), left = every > 0 ? every - step % every : PART;
-        RP_TRY(exp_advance(run, left < PART ? left : PART)); /* to the next row of energies */
-        RP_TRY(note_phase(t, step));
-        if (!exp_done(run)) RP_TRY(sweep_keep_look(keep));
-    }
-    return t->tables ? sweep_table_close(&t->energy, RP_OK) : RP_OK;
-}
-
-static void end_trace(trace *t)
-{
-    if (t->energy.out) sweep_table_close(&t->energy, RP_BROKEN); /* of a run that failed */
-    free(t->passes);
-    exp_run_free(t->run);
-    exp_free(t->plan);
+    const run_sinks to = {.folder = t->directory,
+                          .stages = t->directory != NULL,
+                          .every = {[RUN_ENERGY] = t->every},
+                          .header = t->header,
+                          .of = t->context,
+                          .snapshot = t->snapshot,
+                          .owner = t->owner,
+                          .interval = t->interval,
+                          .stop = t->stop};
+    bool resumed;
+    RP_TRY(run_start(r->plan, seed, stream, &r->driver));
+    const rp_status status = run_open(&r->driver, &to, &resumed);
+    if (status != RP_BAD_INPUT || !t->why) return status;
+    snprintf(t->why, t->size, "%s", rp_message());
+    run_forget(t->snapshot);
+    run_free(&r->driver);
+    RP_TRY(run_start(r->plan, seed, stream, &r->driver));
+    return run_open(&r->driver, &to, &resumed);
 }
 
 static rp_status run_one(const void *params, unsigned long seed, unsigned long stream,
                          const sweep_tables *tables, sweep_result *result)
 {
-    RP_ENDS(end_trace)
-    trace t = {.tables = tables && tables->directory ? tables : NULL, .seed = seed, .stream = stream};
+    static const sweep_tables none = {0};
+    RP_ENDS(end_row) row r = {0};
     size_t n = 0;
     sweep_result_clear(result);
-    RP_TRY(plan_of(params, &t.plan));
-    if (t.tables && tables->ledger) exp_keep_ledger(t.plan);
-    RP_TRY(exp_start(t.plan, seed, stream, &t.run));
-    if (!exp_sim(t.run)) t.tables = NULL;
-    RP_TRY(go(&t, tables ? tables->keep : NULL));
-    const exp_end *end = exp_ended(t.run);
-    exp_outputs(t.plan, &n);
-    memcpy(result->values, exp_values(t.run), n * sizeof *result->values);
+    RP_TRY(plan_of(params, &r.plan));
+    if (tables && tables->directory && tables->ledger) exp_keep_ledger(r.plan);
+    RP_TRY(start(&r, seed, stream, tables ? tables : &none));
+    RP_TRY(run_finish(&r.driver));
+    RP_TRY(run_sync(&r.driver));
+    const exp_end *end = exp_ended(r.driver.run);
+    exp_outputs(r.plan, &n);
+    memcpy(result->values, exp_values(r.driver.run), n * sizeof *result->values);
     snprintf(result->status, sizeof result->status, "%s", end->status);
     snprintf(result->message, sizeof result->message, "%s", end->message);
-    return t.tables ? write_tables(&t, params) : RP_OK;
+    return RP_OK;
 }
 
 /* ---- the text's parameters and outputs ---- */

@@ -13,7 +13,7 @@
 #include "core/clock.h"
 #include "core/file.h"
 #include "table/columns.h"
-#include "sweeps/engine/keep.h"
+#include "run/run.h"
 #include "sweeps/engine/private.h"
 
 #include <errno.h>
@@ -78,27 +78,22 @@ static rp_status remove_snapshot(const pool *p, size_t run)
     snapshot_of(p, run, key, path);
     if (access(path, F_OK) != 0) return RP_OK;
     RP_TRY(sweep_store_commit(p->store));
-    sweep_keep_remove(path);
+    run_forget(path);
     return RP_OK;
 }
 
 /* Make a run, from its snapshot if there is one; a snapshot that is refused is named in the row. */
 static rp_status make(const pool *p, size_t run, sweep_result *result)
 {
-    const sweep_plan *plan = p->plan;
-    const char *text = sweep_protocol_bytes(plan->protocol);
-    char key[33], owner[33], path[4096], why[sizeof result->message] = "";
-    sweep_keep keep = {.path = path, .key = owner, .interval = p->options->snapshot, .stop = p->stop};
-    const sweep_tables kept = {.keep = &keep};
-    const bool keeps = p->snapshots != NULL;
-    if (keeps) {
-        snapshot_of(p, run, key, path);
-        /* another text may have the run with other phases that are left out */
-        rp_hash_digits(XXH3_128bits_withSeed(key, 32, text ? XXH3_64bits(text, strlen(text)) : 0), owner);
-        sweep_keep_begin(&keep, why, sizeof why);
-    }
-    const rp_status status = sweep_plan_run(plan, run, keeps ? &kept : NULL, result);
-    if (keeps) sweep_keep_end(&keep, false);
+    char key[33], path[4096], why[sizeof result->message] = "";
+    const sweep_tables kept = {.snapshot = path,
+                               .owner = key,
+                               .interval = p->options->snapshot,
+                               .stop = p->stop,
+                               .why = why,
+                               .size = sizeof why};
+    if (p->snapshots) snapshot_of(p, run, key, path);
+    const rp_status status = sweep_plan_run(p->plan, run, p->snapshots ? &kept : NULL, result);
     if (!*result->message) snprintf(result->message, sizeof result->message, "%s", why);
     return status;
 }

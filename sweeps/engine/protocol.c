@@ -43,23 +43,6 @@ rp_status sweep_table_close(sweep_file *file, rp_status keep)
     return status;
 }
 
-rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, long step, const char *stage)
-{
-    static const struct {
-        const char *name;
-        dem_table table;
-    } list[] = {{"grains", DEM_TABLE_STATES}, {"contacts", DEM_TABLE_CONTACTS}, {"walls", DEM_TABLE_WALLS}};
-    for (size_t i = 0; tables && i < sizeof list / sizeof *list; i++) {
-        char name[64];
-        sweep_file f;
-        snprintf(name, sizeof name, "%s_%s.tsv", stage, list[i].name);
-        RP_TRY(sweep_table_open(tables, dem_units(sim), name, &f));
-        dem_write_columns(list[i].table, sim, f.out);
-        RP_TRY(sweep_table_close(&f, dem_write_rows(list[i].table, sim, step, f.out)));
-    }
-    return RP_OK;
-}
-
 size_t sweep_count_outputs(const sweep_protocol *protocol)
 {
     size_t n = 0;

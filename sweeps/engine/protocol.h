@@ -32,15 +32,20 @@ typedef struct {
     double values[SWEEP_MAX_OUTPUTS];
 } sweep_result;
 
-/* Where a traced run leaves tables of its states, and what keeps a run for a process that resumes it. */
+/* Where a traced run leaves tables of its states, and the snapshot from which another process resumes it. */
 typedef struct {
     const char *directory; /* NULL: no tables */
     long every;            /* steps from one row of energies to the next; 0: none */
     /* Writes the first lines of each table. */
     void (*header)(const void *context, rp_units units, FILE *out);
     const void *context;
-    bool ledger;             /* the energies with the ledger */
-    struct sweep_keep *keep; /* NULL: none. Protocols without snapshots ignore it. */
+    bool ledger; /* the energies with the ledger */
+    /* as of run_sinks; protocols without snapshots ignore them */
+    const char *snapshot, *owner;
+    double interval;
+    const volatile bool *stop;
+    char *why; /* NULL, or gets why a snapshot was refused: the run then starts anew */
+    size_t size;
 } sweep_tables;
 
 typedef struct {
@@ -87,10 +92,6 @@ typedef struct {
 } sweep_file;
 rp_status sweep_table_open(const sweep_tables *tables, rp_units units, const char *name, sweep_file *file);
 rp_status sweep_table_close(sweep_file *file, rp_status status);
-
-/* Tables <stage>_grains.tsv, <stage>_contacts.tsv and <stage>_walls.tsv of the present state; none if
- * `tables` is NULL. */
-rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, long step, const char *stage);
 
 /* Is this the name of a column that each table has? */
 bool sweep_column_is_taken(const char *name);

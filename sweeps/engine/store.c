@@ -74,6 +74,22 @@ static rp_status check_format(sweep_store *s, const char *schema, bool *empty)
                          format, FORMAT);
 }
 
+/* SQL: the results of both texts; of one name the first's. */
+static void unite_results(sqlite3_context *context, int n, sqlite3_value **texts)
+{
+    json_t *all = json_loads((const char *)sqlite3_value_text(texts[0]), JSON_DECODE_INT_AS_REAL, NULL),
+           *more = json_loads((const char *)sqlite3_value_text(texts[1]), JSON_DECODE_INT_AS_REAL, NULL);
+    (void)n;
+    json_object_update_missing(all, more);
+    char *text = json_dumps(all, JSON_COMPACT | JSON_REAL_PRECISION(17));
+    if (text)
+        sqlite3_result_text(context, text, -1, free);
+    else
+        sqlite3_result_error(context, "results are no JSON", -1);
+    json_decref(all);
+    json_decref(more);
+}
+
 rp_status sweep_store_open(const char *path, bool writes, sweep_store **store)
 {
     sweep_store *s = *store = calloc(1, sizeof **store);
@@ -158,22 +174,6 @@ static bool has_all(const char *text, const sweep_output outputs[])
         all = strstr(text, name) != NULL;
     }
     return all;
-}
-
-/* SQL: the results of both texts; of one name the first's. */
-static void unite_results(sqlite3_context *context, int n, sqlite3_value **texts)
-{
-    json_t *all = json_loads((const char *)sqlite3_value_text(texts[0]), JSON_DECODE_INT_AS_REAL, NULL),
-           *more = json_loads((const char *)sqlite3_value_text(texts[1]), JSON_DECODE_INT_AS_REAL, NULL);
-    (void)n;
-    json_object_update_missing(all, more);
-    char *text = json_dumps(all, JSON_COMPACT | JSON_REAL_PRECISION(17));
-    if (text)
-        sqlite3_result_text(context, text, -1, free);
-    else
-        sqlite3_result_error(context, "results are no JSON", -1);
-    json_decref(all);
-    json_decref(more);
 }
 
 /* NaN for null. */

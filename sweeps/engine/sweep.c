@@ -13,7 +13,6 @@
 
 #include "core/file.h"
 #include "params/units.h"
-#include "sweeps/engine/keep.h"
 
 /* One process at a time changes a store. The lock goes with the process, whatever ends it; its workers, which
  * may live on for a moment, do not inherit it. */
@@ -197,12 +196,18 @@ static rp_status open_shard(const sweep_options *options, sweep_folder *f)
     return sweep_store_write_notes(f->store, &f->plan, file);
 }
 
+static bool is_snapshot(const char *name)
+{
+    const size_t digits = strspn(name, "0123456789abcdef");
+    return digits == 32 && (!name[digits] || rp_ends_in(name, ".new"));
+}
+
 /* Snapshots of a sweep whose runs are all stored: a driver that was killed may have left some. Other files of
  * the folder stay, and then the folder. */
 static void remove_snapshots(const sweep_folder *f)
 {
     RP_ENDS(rp_paths_free) rp_paths left = {0};
-    rp_paths_in(&left, f->snapshots, sweep_keep_is_name);
+    rp_paths_in(&left, f->snapshots, is_snapshot);
     for (size_t i = 0; i < left.n; i++) unlink(left.path[i]);
     rmdir(f->snapshots);
 }
@@ -338,9 +343,8 @@ rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, 
 {
     static const sweep_tables none = {0};
     sweep_plan *plan;
-    char owner[33], why[1024] = "";
-    if (!tables) tables = &none;
-    sweep_keep *keep = tables->keep;
+    char owner[33];
+    sweep_tables own = tables ? *tables : none;
     RP_NEW(arena, plan, 1);
     rp_arena_keep(arena, plan, free_plan);
     RP_TRY(sweep_plan_read(file, protocols, plan));
@@ -349,10 +353,7 @@ rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, 
         return rp_fail(RP_BAD_INPUT, "row = %zu: out of range, allowed: [0, %zu], the runs of %s", row,
                        plan->n_runs - 1, file);
     RP_TRY(sweep_plan_check_point(plan, file, row / plan->replicas));
-    trace_owner(plan, row, tables, owner);
-    if (keep) keep->key = owner, sweep_keep_begin(keep, why, sizeof why);
-    const rp_status status = *why ? rp_fail(RP_BAD_INPUT, "%s; remove this file to start anew", why)
-                                  : sweep_plan_run(plan, row, tables, result);
-    if (keep) sweep_keep_end(keep, status == RP_OK);
-    return status;
+    trace_owner(plan, row, &own, owner);
+    own.owner = owner;
+    return sweep_plan_run(plan, row, &own, result);
 }

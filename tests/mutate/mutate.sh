@@ -41,7 +41,7 @@ suites_of() {
     src/stats/lines.c | src/stats/trend.c) echo trend evidence calibrate_text tables angle ;;
     src/stats/identify.c | src/stats/least.c) echo identify calibrate_text ;;
     src/experiment/modules/base.c) echo piles experiment columns ;;
-    src/experiment/*) echo expression experiment actions columns repose flux drop stress sweep snapshot ;;
+    src/experiment/*) echo expression experiment actions columns repose flux drop stress sweep run ;;
     src/core/elementary.c) echo core expression golden ;;
     src/dem/change.c) echo actions experiment ;;
     src/params/expression.c | src/params/lets.c) echo expression experiment ;;
@@ -53,7 +53,7 @@ suites_of() {
     src/dem/scene/output.c) echo core tables scene keys evidence sweep cli dem ;;
     src/dem/scene/*) echo walls scene material fills tables keys notes cli ;;
     src/dem/setup/physics.c | src/dem/setup/check.c) echo scene dem laws walls keys units hard motion soft tables sweep ;;
-    src/cli/result.c | src/core/folder.c) echo snapshot cli folders power ;;
+    src/cli/result.c | src/core/folder.c) echo run cli folders power ;;
     src/core/* | src/params/* | src/table/table.c) echo core tables scene keys evidence sweep cli ;;
     src/table/columns.c | src/table/where.c) echo core columns calibrate_text tables evidence options cli ;;
     src/cli/commands/export.c | src/export/*) echo export view help options ;;
@@ -61,11 +61,11 @@ suites_of() {
     src/cli/commands/view.c | src/view/*) echo view help options ;;
     src/cli/commands/help.c) echo help install ;;
     src/cli/commands/params.c) echo help options experiment ;;
-    src/cli/closing.c | src/cli/progress.c) echo view snapshot ;;
+    src/cli/closing.c | src/cli/progress.c) echo view run ;;
     src/cli/options.c | src/cli/command.c) echo help notes evidence options tables columns claims cli ;;
     src/cli/commands/shards.c | src/cli/commands/sweep.c) echo cli folders sweep notes tables ;;
     src/cli/commands/calibrate.c) echo calibrate_text options ;;
-    src/cli/commands/run.c) echo view tables options snapshot cli folders ;;
+    src/cli/commands/run.c) echo view tables options run cli folders ;;
     src/cli/commands/pile.c) echo notes equilibrium tables options cli ;;
     report/*) echo evidence claims options cli ;;
     src/cli/*) echo notes evidence options tables columns claims cli ;;
@@ -79,9 +79,10 @@ suites_of() {
     src/dem/list/removal.c) echo removal dem units ;;
     src/dem/setup/* | src/dem/methods/gravity.c | src/dem/state/vec.c | src/dem/methods/step.c | src/dem/sim.c | src/dem/run.c)
         echo units scene walls golden motion hard soft rotation dem laws ;;
-    sweeps/engine/keep.c | sweeps/engine/experiment.c) echo experiment sweep snapshot cli ;;
+    sweeps/engine/experiment.c) echo experiment sweep run cli ;;
+    src/run/*) echo run experiment tables cli ;;
     sweeps/protocols/protocols.c) echo sweep golden tables notes cli ;;
-    sweeps/engine/pool.c | sweeps/engine/sweep.c) echo sweep drill notes tables evidence cli snapshot ;;
+    sweeps/engine/pool.c | sweeps/engine/sweep.c) echo sweep drill notes tables evidence cli run ;;
     sweeps/protocols/outline.c) echo golden piles equilibrium ;;
     sweeps/protocols/pile.c) echo piles golden ;;
     sweeps/engine/*) echo sweep notes tables evidence cli drill ;;
