@@ -1582,5 +1582,5 @@ CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, te
                    test_printed_limits, test_windows_of_modules, test_more_modules, test_mean_grain,
                    test_refused_more, test_cuts, test_kept, test_where, test_started_at, test_words,
                    test_refused, test_keys, test_random_texts, test_run, test_resumed, test_swept,
-                   test_shared_ends, test_other_snapshots,
-                   test_sweeps_refused, test_slow_turns, test_computed_again)
+                   test_shared_ends, test_other_snapshots, test_sweeps_refused, test_slow_turns,
+                   test_computed_again)
