@@ -184,13 +184,6 @@ static const cli_command digest = {
     .refuses = "A folder without a planned sweep.",
     .act = act_digest};
 
-static const cli_command *const commands[] = {&plan,
-                                              &run,
-                                              &status_of,
-                                              &cmd_sweep_merge,
-                                              &export,
-                                              &digest,
-                                              &cmd_sweep_make,
-                                              &cmd_sweep_slurm,
-                                              NULL};
+static const cli_command *const commands[] = {
+    &plan, &run, &status_of, &cmd_sweep_merge, &export, &digest, &cmd_sweep_make, &cmd_sweep_slurm, NULL};
 const cli_command cmd_sweep = {"sweep", "plan, run and read parameter sweeps", .group = commands};
