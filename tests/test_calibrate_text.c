@@ -1,4 +1,8 @@
 /* repose calibrate FILE: a planted friction is found by runs; tables of other programs; what is refused. */
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include "numbers.h"
 #include "program.h"
 
@@ -50,6 +54,15 @@ static void test_runs(void)
     SHELL("! test -e d"); /* a dry run writes nothing; a file that a person has changed stays */
     SHELL("mkdir d && echo '# program: repose 1' >d/angle.cfg");
     FAILS(65, "d/angle.cfg: not what these options say", "calibrate --theta-r-deg 30 --error-deg 1 -o d");
+    SHELL("sed -i 's/seed = 1/seed = 2/' c/stage_1_1.cfg && cp c/stage_1_1.cfg own");
+    FAILS(65, "c/stage_1_1.cfg: not what this problem asks for; give another folder, or --force",
+          "calibrate fit.cfg -o c");
+    SHELL("cmp own c/stage_1_1.cfg && ! test -e c/try.cfg");
+    const int other = open(path_of("c"), O_RDONLY | O_DIRECTORY);
+    CU_ASSERT(flock(other, LOCK_EX) == 0);
+    FAILS(74, "c: another process runs in this folder", "calibrate fit.cfg -o c --force");
+    close(other);
+    FAILS(1, "; the runs reach 6.66 to 20.8", "calibrate fit.cfg -o c --force");
     /* two numbers of two texts, a name that one of them lacks */
     SHELL("sed 's/mu_roll = 0.1; //; s/.*name = .both.*//; s/10\\*x. },/10*x\\\" } );/' slide.cfg "
           ">other.cfg");
@@ -173,7 +186,7 @@ static void test_refused(void)
         {"fit = { nu = [0.1, 0.8]; }; " MEASURED("slide.cfg", "v", "0.1") " );",
          "fit.nu: no experiment has this name"},
         {MU MEASURED("slide.cfg", "v", "0.1; fixed = { nu = 1.0; }") " );",
-         "fit.mu: fixed.nu: unknown key (did you mean \"mu\"?)"},
+         "fixed.nu: unknown key (did you mean \"mu\"?)"},
         {MU "where = \"nu < 1\"; " MEASURED("slide.cfg", "v", "0.1") " );",
          "where nu < 1: character 1: unknown name nu (did you mean \"mu\"?)"},
         {MU "budget = 20; " MEASURED("slide.cfg", "v", "0.1") " );",

@@ -177,6 +177,21 @@ static bool is_there(const rp_folder *f)
            here.st_ino == there.st_ino;
 }
 
+static rp_status is_taken(const char *path)
+{
+    return rp_fail(RP_IO, "%s: another process runs in this folder", path);
+}
+
+rp_status rp_folder_lock(const char *path, int *lock)
+{
+    const int file = open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    *lock = 0;
+    if (file < 0) return failed(path);
+    if (flock(file, LOCK_EX | LOCK_NB) != 0) return close(file), is_taken(path);
+    *lock = file;
+    return RP_OK;
+}
+
 rp_status rp_folder_begin(rp_arena *arena, const char *path, const char *holds, bool force, rp_folder *f)
 {
     size_t n = strlen(path);
@@ -192,12 +207,11 @@ rp_status rp_folder_begin(rp_arena *arena, const char *path, const char *holds, 
         return rp_fail(RP_BAD_INPUT, "%s: give a folder by its name", path);
     RP_TRY(check_free(f->path, force));
     RP_TRY(rp_make_directory(f->part));
-    f->lock = open(f->part, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-    if (f->lock < 0) return f->lock = 0, failed(f->part);
-    if (flock(f->lock, LOCK_EX | LOCK_NB) == 0 && is_there(f)) return enter(f);
+    RP_TRY(rp_folder_lock(f->part, &f->lock));
+    if (is_there(f)) return enter(f);
     close(f->lock);
     f->lock = 0;
-    return rp_fail(RP_IO, "%s: another process runs in this folder", f->part);
+    return is_taken(f->part);
 }
 
 /* Remove a result that has been replaced, if it is there. */

@@ -35,6 +35,10 @@ rp_status rp_folder_publish(rp_folder *f);
 /* Close it. DIR.part goes if it is empty. */
 void rp_folder_end(rp_folder *f);
 
+/* Keep other processes out of a folder until *lock, a descriptor, is closed; 0 after an error. Errors: RP_IO.
+ */
+rp_status rp_folder_lock(const char *path, int *lock);
+
 /* Make a folder of files that are made anew each time, as tables of a sweep, unless it is there. Errors:
  * RP_BAD_INPUT (it is not empty, and no such folder; by `force`, of other such files), RP_IO, RP_NO_MEMORY.
  */

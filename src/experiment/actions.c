@@ -4,7 +4,7 @@
 
 #include "core/elementary.h"
 #include "dem/scene/radii.h"
-#include "experiment/private.h"
+#include "experiment/looks.h"
 
 /* ---- going back ---- */
 

@@ -5,7 +5,7 @@
 
 #include "core/elementary.h"
 #include "dem/scene/radii.h"
-#include "experiment/private.h"
+#include "experiment/plan.h"
 #include "params/config.h"
 
 /* t and phase_step of a moment; NAN for all else, which only the run knows. */

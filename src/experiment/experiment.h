@@ -38,7 +38,7 @@ void exp_free(exp_plan *plan);
 /* Refuse a time step that a fall within the scene's fill can't take. Errors: RP_BAD_INPUT. */
 rp_status exp_check(const exp_plan *plan);
 
-void exp_keep_ledger(exp_plan *plan); /* by its runs */
+void exp_with_ledger(exp_plan *plan); /* by its runs */
 
 const dem_text *exp_text(const exp_plan *plan);
 const dem_scene *exp_scene(const exp_plan *plan);

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "core/random.h"
-#include "experiment/private.h"
+#include "experiment/run.h"
 
 #define ANOTHER "a run of another file"
 

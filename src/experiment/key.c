@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "experiment/private.h"
+#include "experiment/plan.h"
 #include "params/config.h"
 #include "params/settings.h"
 

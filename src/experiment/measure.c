@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "core/arena.h"
-#include "experiment/private.h"
+#include "experiment/looks.h"
 #include "params/units.h"
 #include "stats/stats.h"
 #include "table/table.h"
@@ -125,7 +125,8 @@ static size_t end_of_pass(const exp_samples *s, size_t begin)
 }
 
 /* The samples that count: without the first ones, of each pass of a phase that is repeated. */
-static rp_status take_counting(const exp_run *run, const exp_measure *m, rp_arena *arena, exp_samples *kept)
+static rp_status take_counting(const exp_run *run, const exp_measure *m, rp_arena *arena,
+                               exp_samples *counting)
 {
     const exp_measure *level = &run->plan->measures[m->levels_with];
     const exp_samples *s = &run->samples[m - run->plan->measures], *by = &run->samples[m->levels_with];
@@ -133,13 +134,13 @@ static rp_status take_counting(const exp_run *run, const exp_measure *m, rp_aren
     size_t from = 0;
     if (by->n != s->n) return rp_fail(RP_NO_RESULT, "%s has other samples", level->name);
     RP_NEW(arena, v, s->n);
-    RP_NEW(arena, kept->at, s->n);
+    RP_NEW(arena, counting->at, s->n);
     for (size_t i = 0; i < s->n; i++) v[i] = by->at[i].value;
     if (isinf(level->skip)) RP_TRY(stats_level_off(s->n, v, &from));
     for (size_t end; from < s->n; from = end) {
         end = isinf(level->skip) ? s->n : end_of_pass(s, from);
         if (isfinite(level->skip)) from += (size_t)ceil(level->skip * (double)(end - from) - 1e-9);
-        for (size_t i = from; i < end; i++) kept->at[kept->n++] = s->at[i];
+        for (size_t i = from; i < end; i++) counting->at[counting->n++] = s->at[i];
     }
     return RP_OK;
 }

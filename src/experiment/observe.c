@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "experiment/private.h"
+#include "experiment/looks.h"
 
 /* ---- regions ---- */
 

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "core/random.h"
-#include "experiment/private.h"
+#include "experiment/looks.h"
 
 static const exp_phase *phase_of(const exp_run *run)
 {

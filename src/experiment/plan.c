@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "experiment/looks.h"
 #include "experiment/reading.h"
 #include "params/config.h"
 
@@ -196,7 +197,7 @@ void exp_free(exp_plan *plan)
     free(plan);
 }
 
-void exp_keep_ledger(exp_plan *plan)
+void exp_with_ledger(exp_plan *plan)
 {
     plan->scene.def.ledger = true;
 }

@@ -2,7 +2,7 @@
 #ifndef EXP_READING_H
 #define EXP_READING_H
 
-#include "experiment/private.h"
+#include "experiment/plan.h"
 #include "params/settings.h"
 
 /* A name; one that nothing else has. */

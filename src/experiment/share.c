@@ -2,7 +2,7 @@
 #include <math.h>
 
 #include "core/elementary.h"
-#include "experiment/private.h"
+#include "experiment/looks.h"
 
 static double dot(const double p[2], const double q[2])
 {

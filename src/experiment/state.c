@@ -3,7 +3,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 
-#include "experiment/private.h"
+#include "experiment/looks.h"
 
 void exp_conclude(exp_run *run, const char *status, const char *format, ...)
 {

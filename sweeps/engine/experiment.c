@@ -133,7 +133,7 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long s
     size_t n = 0;
     sweep_result_clear(result);
     RP_TRY(plan_of(params, &r.plan));
-    if (tables && tables->directory && tables->ledger) exp_keep_ledger(r.plan);
+    if (tables && tables->directory && tables->ledger) exp_with_ledger(r.plan);
     RP_TRY(start(&r, seed, stream, tables ? tables : &none));
     RP_TRY(run_finish(&r.driver));
     RP_TRY(run_sync(&r.driver));

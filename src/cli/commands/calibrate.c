@@ -8,6 +8,8 @@
 
 #include "cli/cli.h"
 #include "core/elementary.h"
+#include "core/file.h"
+#include "core/folder.h"
 #include "core/version.h"
 #include "params/config.h"
 #include "params/expression.h"
@@ -52,6 +54,7 @@ typedef struct {
     group group[STATS_NUMBERS];
     long seed, budget;
     bool made; /* runs of the last stage, now */
+    int lock;  /* of the folder of the runs; 0: none */
     rp_expression where;
     rp_x_names names;
     size_t n_table_points;
@@ -218,12 +221,30 @@ static rp_status beside(const problem *s, const char *name, const char **path)
     return rp_path(s->call->arena, path, "%s%s", *name == '/' ? "" : s->folder, name);
 }
 
-/* The sweep of a group's runs at the points; names that it does not have are left out. */
-static rp_status write_sweep(const problem *s, const group *g, const char *path, size_t n, const double x[],
-                             size_t replicas)
+/* What a file is to hold: one that is there, as after a stop, and has other words is a person's. */
+static rp_status write_once(const char *path, const char *text, bool force)
 {
     FILE *out;
-    char real[PATH_MAX];
+    if (!force && access(path, F_OK) == 0) {
+        char *there;
+        const rp_status read = rp_file_read(path, &there);
+        const bool same = !read && strcmp(there, text) == 0;
+        free(there);
+        if (read || same) return read;
+        return rp_fail(RP_BAD_INPUT, "%s: not what this problem asks for; give another folder, or --force",
+                       path);
+    }
+    RP_TRY(rp_file_open(path, true, &out));
+    fputs(text, out);
+    return rp_file_close(path, out, RP_OK);
+}
+
+/* The sweep of a group's runs at the points; names that it does not have are left out. */
+static rp_status write_sweep(const problem *s, const group *g, const char *path, size_t n, const double x[],
+                             size_t replicas, bool force)
+{
+    char real[PATH_MAX], *text;
+    size_t size;
     const char *source = g->source;
     if (strcmp(g->kind, "experiment") == 0) {
         RP_TRY(beside(s, g->source, &source));
@@ -231,7 +252,8 @@ static rp_status write_sweep(const problem *s, const group *g, const char *path,
             return rp_fail(RP_BAD_INPUT, "%s: experiment = \"%s\": no such file", s->path, source);
         source = real;
     }
-    RP_TRY(rp_file_open(path, true, &out));
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
     fprintf(out, "%s = ", g->kind);
     rp_config_write_text(out, source);
     fprintf(out, ";\nreplicas = %zu;\nseed = %ld;\n", replicas, s->seed);
@@ -244,7 +266,8 @@ static rp_status write_sweep(const problem *s, const group *g, const char *path,
         fputs(" ];\n", out);
     }
     fputs("};\n", out);
-    return rp_file_close(path, out, RP_OK);
+    fclose(out);
+    return write_once(path, rp_arena_keep(s->call->arena, text, free), force);
 }
 
 static rp_status column_of(const problem *s, const rp_table *table, size_t k, int *column)
@@ -263,33 +286,32 @@ static const char *sweep_path(const problem *s, size_t stage, size_t g, const ch
     return rp_text(s->call->arena, "%s/stage_%zu_%zu%s", s->o->o, stage + 1, g + 1, ending);
 }
 
-/* The names that the sweep of each group may have, tried one by one. */
+/* The names that the sweep of each group may have, tried one by one in a file that stays where one fails. */
 static rp_status find_names(problem *s)
 {
     double x[STATS_NAMES];
     bool found[STATS_NAMES] = {false};
+    const char *path;
     for (size_t p = 0; p < s->quest.n_names; p++) x[p] = 0.5 * (s->quest.lo[p] + s->quest.hi[p]);
     RP_TRY(rp_make_directory(s->o->o));
+    RP_TRY(rp_folder_lock(s->o->o, &s->lock));
+    RP_TRY(rp_path(s->call->arena, &path, "%s/try.cfg", s->o->o));
     for (size_t i = 0; i < s->quest.n_groups * s->quest.n_names; i++) {
         const size_t g = i / s->quest.n_names, p = i % s->quest.n_names;
-        const char *path = sweep_path(s, 0, g, ".cfg");
         group one = {.kind = s->group[g].kind, .source = s->group[g].source, .fixed = s->group[g].fixed};
         rp_table *table;
         int column;
-        RP_TRY(write_sweep(s, &one, path, 1, x, 1));
+        RP_TRY(write_sweep(s, &one, path, 1, x, 1, true));
         rp_status status = sweep_has(path, sweep_protocols, s->name[p], &one.has[p]);
         if (!status && !one.has[p]) continue;
-        if (!status) status = write_sweep(s, &one, path, 1, x, 1);
+        if (!status) status = write_sweep(s, &one, path, 1, x, 1, true);
         if (!status) status = cli_sweep_table(s->call, path, SWEEP_RUNS, &table, NULL);
-        if (status) { /* of the file that a person knows */
-            const char *why = rp_text(s->call->arena, "%s", rp_message()), *at = strstr(why, path);
-            if (at) at = strstr(at, ": ");
-            return rp_fail(status, "%s: fit.%s: %s", s->path, s->name[p], at ? at + 2 : why);
-        }
+        RP_TRY(rp_prefix(status, "%s: fit.%s: ", s->path, s->name[p]));
         s->group[g].has[p] = found[p] = true;
         for (size_t k = 0; k < s->quest.n_numbers; k++)
             if (s->quest.group[k] == g) RP_TRY(rp_prefix(column_of(s, table, k, &column), "%s: ", s->path));
     }
+    unlink(path);
     for (size_t p = 0; p < s->quest.n_names; p++)
         if (!found[p])
             return rp_fail(RP_BAD_INPUT, "%s: fit.%s: no experiment has this name", s->path, s->name[p]);
@@ -331,7 +353,7 @@ static rp_status run_group(problem *s, size_t stage, size_t g, size_t n, const d
 {
     const char *path = sweep_path(s, stage, g, ".cfg"), *dir = sweep_path(s, stage, g, "");
     sweep_counts counts;
-    RP_TRY(write_sweep(s, &s->group[g], path, n, x, replicas));
+    RP_TRY(write_sweep(s, &s->group[g], path, n, x, replicas, s->o->force));
     RP_TRY(cli_claim_sweep(dir, path, s->o->force));
     RP_TRY(sweep_prepare(path, dir, 0, sweep_protocols, NULL, &counts));
     s->made |= counts.stored < counts.planned;
@@ -744,7 +766,7 @@ static rp_status write_file(const cli_call *call, const calibrate_options *o, co
 /* The files that a dry run has needed, in a folder of its own. */
 static void remove_files(const problem *s)
 {
-    for (size_t g = 0; g < s->quest.n_groups; g++) unlink(sweep_path(s, 0, g, ".cfg"));
+    unlink(rp_text(s->call->arena, "%s/try.cfg", s->o->o));
     unlink(rp_text(s->call->arena, "%s/angle.cfg", s->o->o));
     rmdir(s->o->o);
 }
@@ -770,6 +792,7 @@ static rp_status calibrate(cli_call *call, const void *values)
         config_destroy(&s.config);
     }
     if (o->dry_run) remove_files(&s);
+    if (s.lock) close(s.lock);
     return status;
 }
 
@@ -812,7 +835,8 @@ const cli_command cmd_calibrate = {
         "size.",
     "repose calibrate fit.cfg -o found",
     calibrate_params,
-    .refuses = "An angle without its standard error; a column that the runs do not have; a name that no "
+    .refuses = "A stage_*.cfg of DIR that says something else: give another folder, or --force.\n"
+               "An angle without its standard error; a column that the runs do not have; a name that no "
                "experiment has.\n"
                "An answer whose status is not ok: exit status 1.",
     .act = calibrate};

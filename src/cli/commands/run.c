@@ -147,7 +147,7 @@ static rp_status read_text(const char *path, scene_run *r)
     if (*scene->unused) fprintf(stderr, "repose run: particles_file: not used:%s\n", scene->unused);
     r->of.call.units = scene->def.units;
     warn_gravity(path, scene->def.units, rp_hypot(scene->def.gravity[0], scene->def.gravity[1]));
-    if (r->o->ledger) exp_keep_ledger(r->plan);
+    if (r->o->ledger) exp_with_ledger(r->plan);
     const long *own = (const long[]){scene->output.states, scene->output.energy, scene->output.contacts,
                                      scene->output.walls};
     for (int k = 0; k < RUN_TABLES; k++) r->every[k] = r->o->every > 0 ? r->o->every : own[k];

@@ -1,8 +1,7 @@
-/* What the files of an experiment share: the plan, the run, and what names stand for. See experiment.h. */
-#ifndef EXP_PRIVATE_H
-#define EXP_PRIVATE_H
+/* A plan: what a text becomes before anything runs, and what names stand for in it. */
+#ifndef EXP_PLAN_H
+#define EXP_PLAN_H
 
-#include "core/random.h"
 #include "experiment/experiment.h"
 
 /* Symbols: uses of observables below this, then outputs. */
@@ -192,150 +191,16 @@ void exp_place_in(exp_place *place, exp_plan *plan);
 rp_status exp_expression_read(const config_setting_t *setting, const char *key, rp_x_type type,
                               exp_place *place, exp_expression *e);
 
-/* Samples of a measure; beside: what it is against, or whether there was an event; pass: of those at the
- * looks of a phase, else 0. And sums over so many, of a module that has a table. */
-typedef struct {
-    double time, value, beside, step, pass;
-} exp_sampled;
-typedef struct {
-    size_t n, room;
-    exp_sampled *at;
-    double taken, *sums; /* NULL: none */
-} exp_samples;
-
-/* What belongs to the simulation, beside itself: a phase that goes back gets it back. */
-typedef struct {
-    double tilt, turn[2]; /* so far, degrees; a step, of gravity and of the box */
-    double tilt_before;   /* at the last look or the phase's start, that phase step: sums from there on do not
-                             depend on where the run is cut */
-    long tilted_at;
-    size_t laws;  /* of this phase, or SIZE_MAX: the scene's */
-    size_t added; /* grains */
-    double added_mass;
-    uint32_t last; /* id of the last that was added, 0 before */
-    bool touched;  /* it has had a contact */
-} exp_world;
-
-/* The end of a phase, to go back to. */
-typedef struct {
-    dem_sim *sim;
-    exp_world now;
-    long *loads;
-} exp_saved;
-
-struct exp_run {
-    const exp_plan *plan;
-    rp_arena arena; /* of what has the same size all along */
-    dem_sim *sim;
-    rp_status failed; /* of a look */
-    bool measuring;   /* what has no value ends no run, and leaves other measures alone */
-    bool cut;         /* walls did so with the region of a fill */
-    bool no_region;   /* the region that was asked for last is faulty */
-    bool ahead;       /* t and phase_step are those of the step to come, at its middle */
-    struct {
-        size_t phase;          /* that it is in; n_phases: it has ended */
-        long pass;             /* of its block, from 1 */
-        long phase_step, most; /* steps in the phase, of which there are so many, or LONG_MAX */
-        long steps;            /* in all */
-        double begun;          /* time at the phase's start */
-        double mass0;          /* of all grains at the start */
-        size_t grains0;        /* grains at the start */
-        double damped;         /* kinetic energy at the last look of a phase that damps */
-        double most_seen[2];   /* speed of a wall, and gravity, that the time step was asked about */
-        exp_world now;
-        bool started, done, missed; /* the last: a measure that is not optional has no value */
-        exp_end end;
-    } at;
-    double *counters, *values; /* of expressions; of outputs */
-    exp_samples *samples;      /* of measures */
-    double *marks;             /* x, y of ids from 1 on, in the box's frame; NAN: none */
-    int32_t *kinds;            /* of ids from 1 on; -1: none */
-    long *loads;               /* of walls, along x and y: number of the load, or -1 */
-    rp_random *random[2];      /* radii and places of the first fill, then of grains that are added */
-    exp_saved *saved;          /* of phases */
-    exp_passed *passed;        /* of phases; their names aside */
-    double **points;           /* of regions: the corners of a polygon, as they were last asked for */
-    struct {
-        double r, y, touch;
-    } grain; /* that is being added */
-    /* readings of the present state, made when they are asked for */
-    bool fresh;
-    size_t n_states, n_contacts;
-    dem_state *states;
-    dem_contact *contacts; /* NULL: not asked for */
-    size_t n_ids;
-};
-
-/* End a run with this word and message; while measuring, say so at its end. The first cause stays. */
-void exp_conclude(exp_run *run, const char *status, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-/* With the text's word for a good run, or that of a phase that was gone on from. */
-void exp_end_run(exp_run *run);
-
-/* From this phase on, the next that is not left out: of a block, or of the text. */
-size_t exp_present(const exp_plan *plan, size_t phase, size_t end);
-
-const dem_physics *exp_laws(const exp_run *run); /* that hold */
-double exp_value(exp_run *run, const exp_expression *e);
-bool exp_true(exp_run *run, const exp_expression *e); /* of a NAN false: a sample that is none */
-/* Of a key of the present phase; a truth is 0 or 1. NAN ends the run. */
-double exp_number(exp_run *run, const char *key, const exp_expression *e);
-char *exp_operands(rp_arena *arena, const exp_run *run, const exp_expression *e); /* for messages */
-
 /* Does an expression ask for this observable; NULL: for any, and not for measures alone? */
 bool exp_asks(const exp_plan *plan, const exp_expression *e, const char *observable);
 bool exp_names(const exp_plan *plan, const char *observable); /* does any expression of the text? */
 
-/* The states of the grains as they are now; NULL after a failure. */
-const dem_state *exp_states(exp_run *run);
-const dem_contact *exp_contacts(exp_run *run, size_t *n); /* the same of the contacts, none after a failure */
-void exp_mark(exp_run *run);
+/* From this phase on, the next that is not left out: of a block, or of the text. */
+size_t exp_present(const exp_plan *plan, size_t phase, size_t end);
 
-/* The grains of a scope at this look: of a region, or of a kind. */
-typedef struct {
-    bool all, circle;
-    size_t n_points;      /* of a polygon */
-    const double *points; /* the run's own, of this region */
-    double at[4];         /* x, y from and to; or centre, radius */
-    const int32_t *kinds; /* by ids from 1 on; NULL: of any kind */
-    int32_t kind;
-} exp_within;
-const char *exp_region_fault(const exp_within *region);          /* NULL: none */
-exp_within exp_within_now(exp_run *run, const exp_scope *scope); /* a faulty region ends the run */
-bool exp_is_within(const void *within, uint32_t id, double x, double y);
-double exp_share_within(const exp_within *region, const dem_state *grain); /* of its area, from 0 to 1 */
+/* The density of new grains; given: if the text says one. */
+double exp_density(const exp_plan *plan, const exp_add *a, double given);
 
-/* Room for the marks and kinds of ids up to this one. Errors: RP_NO_MEMORY, in run->failed. */
-bool exp_make_ids(exp_run *run, size_t id);
-
-/* What a phase does at its start besides forces: laws, grains out of a region, grains put in; going back.
- * What can't be ends the run. */
-void exp_go_back(exp_run *run, const exp_phase *p);
-void exp_save(exp_run *run, size_t phase);
-void exp_change_laws(exp_run *run, const exp_phase *p);
-void exp_remove(exp_run *run, const exp_phase *p);
-void exp_add_grains(exp_run *run, const exp_phase *p);
-double exp_density(const exp_plan *plan, const exp_add *a, double given); /* given: if the text says one */
-
-/* Loads of walls: begin or end with a phase; then give their walls their speed for a step. */
-void exp_load_walls(exp_run *run, const exp_phase *p);
-bool exp_is_loaded(const exp_run *run);
-/* May a wall move so fast, or gravity be so strong, with this time step; where it is not the run ends. A
- * value not half larger than all before is not asked about. */
-void exp_check_speed(exp_run *run, const char *whose, const double v[2], bool gravity);
-void exp_push_walls(exp_run *run);
-/* Along a direction in which one is free, its load sees to its motion. velocity may be NULL, omega NAN: as
- * before. */
-void exp_move_wall(exp_run *run, const exp_wall *wall, const double velocity[2], double omega);
-double exp_observe(void *run, int id, const double args[]);
-
-/* The numbers of a module. Errors: RP_NO_RESULT; others. */
-rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_MODULE_OUTPUTS]);
-
-/* Take the samples of a look; the values of the measures of a phase that has ended. */
-void exp_sample(exp_run *run);
-void exp_measure_phase(exp_run *run, size_t phase);
-void exp_measures_in(const exp_run *run, long *next); /* lowered to the steps to the next sample */
 long exp_known_steps(const exp_phase *p);   /* -1: it ends by a condition, or by what the run alone knows */
 long exp_next_look(long since, long every); /* steps to it, so many after looks have begun */
 
