@@ -1,7 +1,8 @@
 /* All that a text says is in the key of its run, or stands here with the reason why not: what the key
  * forgets, a sweep takes from another run's row. Every key of every schema, at every place of the texts below
  * where it may stand, and every value that the texts give. A new key of a schema needs no line here. Beside
- * that: values beyond a range are refused by name, and a text that is written is the same run. */
+ * that: values beyond a range, and other words, are refused by name, and a text that is written is the same
+ * run. */
 #include "tests/grains.h"
 #include "tests/trial.h"
 
@@ -199,6 +200,12 @@ static bool check_place(size_t text, const char *path, const char *group, const 
         CHECK_OR_SAY(refused && strstr(rp_message(), check_text("%s = ", p->name)) &&
                          strstr(rp_message(), "out of range"),
                      "%s%s = %s: %s", path, p->name, far, refused ? rp_message() : "is not refused");
+    }
+    if (n > 0 && p->type == RP_CHOICE) {
+        const bool refused = !key_of_change(text, check_text("%s%s=frob", path, p->name), key);
+        CHECK_OR_SAY(refused &&
+                         strstr(rp_message(), check_text("%s = \"frob\": unknown word, allowed: ", p->name)),
+                     "%s%s = frob: %s", path, p->name, refused ? rp_message() : "is not refused");
     }
     return n > 1 || (n == 1 && !XXH128_isEqual(key[0], bases[text]));
 }
