@@ -53,9 +53,9 @@ extern const rp_param sweep_pile_schema[];
  * is zero at first, also after an error. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
 rp_status sweep_pile_outline(const sweep_pile *p, unsigned long seed, unsigned long run, sweep_outline *h);
 
-/* One pile, solved. `watch` (may be NULL) and its context are those of statics_definition. Free with sweep_solved_free,
- * also after an error. Errors: RP_NO_RESULT (no equilibrium: `results` has its status and message), and those
- * of statics_create. */
+/* One pile, solved. `watch` (may be NULL) and its context are those of statics_definition. Free with
+ * sweep_solved_free, also after an error. Errors: RP_NO_RESULT (no equilibrium: `results` has its status and
+ * message), and those of statics_create. */
 typedef struct {
     const sweep_pile *p;
     const sweep_outline *h;
