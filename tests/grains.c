@@ -305,9 +305,3 @@ void grains_refused(const char *text, const rp_texts *changes, const char *messa
     scoped_scene scene = {0};
     CHECK_FAILS(grains_read(text, changes, &scene), RP_BAD_INPUT, message);
 }
-
-void grains_reread(const dem_scene *written, dem_scene *scene)
-{
-    CHECK_WRITTEN(text, out, dem_scene_write(written, out));
-    CHECK_OK(grains_read(text, NULL, scene));
-}

@@ -92,9 +92,8 @@ rp_status grains_read(const char *text, const rp_texts *changes, dem_scene *scen
 dem_sim *grains_scene_after(const char *text, long steps, dem_scene *scene);
 #define grains_read_as(scene, ...) grains_read(check_text(__VA_ARGS__), NULL, scene)
 
-/* A text that is refused with this message; a scene written, and read again. */
+/* A text that is refused with this message. */
 void grains_refused(const char *text, const rp_texts *changes, const char *message);
-void grains_reread(const dem_scene *written, dem_scene *scene);
 
 /* Pairs that are not listed once although they lie within their cutoffs where the list was made, or that are
  * listed and do not; found among all pairs. Pairs of two fixed grains belong to no list. */

@@ -123,26 +123,7 @@ static void test_patterns(void)
     CHECK_FAILS(dem_fill_grains(&f, grains, &n), RP_BAD_INPUT, "N = -1");
 }
 
-/* Written and read again, the scene has the same grains. Its text, which keys of runs are made of, has all
- * rows of before radii had a law, and of the others those that are given. */
-static void check_reread(const dem_scene *s, size_t n, const dem_grain *grains)
-{
-    scoped_scene back;
-    scoped dem_grain *again = NULL;
-    size_t m;
-    bool law = false;
-    for (size_t k = 0; k < s->n_fills; k++) law |= s->fills[k].law != DEM_RADII_GAUSS;
-    CHECK_WRITTEN(text, out, dem_scene_write(s, out));
-    CU_ASSERT(strstr(text, "radius_mean = ") && (strstr(text, "radius_law = ") != NULL) == law);
-    grains_reread(s, &back);
-    CHECK_OK(dem_scene_grains(&back, &again, &m));
-    CU_ASSERT_FATAL(m == n);
-    for (size_t i = 0; i < n; i++)
-        CU_ASSERT(memcmp(&grains[i], &again[i], offsetof(dem_grain, fixed)) == 0 &&
-                  grains[i].fixed == again[i].fixed);
-}
-
-/* Rows and lattices of a given spacing; regions that a polygon cuts, written and read again. */
+/* Rows and lattices of a given spacing; regions that a polygon cuts. */
 static void test_cut(void)
 {
     static const char *const fills[] = {
@@ -167,7 +148,6 @@ static void test_cut(void)
             low += g->x < 4.0 && g->y < 4.0; /* of the triangle a half */
         }
         if (k == 2) CU_ASSERT(fabs((double)low - 150.0) < 3.3 * sqrt(75.0));
-        check_reread(&s, n, grains);
     }
     static const char *const refused[][2] = {
         {"N = 3; W = 1.0; H = 1.0; spacing = 0.3;", "spacing: of a row or a lattice"},
@@ -238,7 +218,6 @@ static void test_several(void)
     }
     CU_ASSERT(nearest >= -1e-12);                /* small ones of the bed lie between two large ones */
     CU_ASSERT(grains[ends[0]].r != grains[4].r); /* streams of its own */
-    check_reread(&s, n, grains);
 }
 
 /* d is that of the mean grain of what is there first. */

@@ -171,12 +171,10 @@ static void write_fixtures(void)
     write_text("fit.cfg", FIT, 15.0);
     write_file("runs.tsv", print_runs);
     write_file("more.tsv", print_more);
-    shell("head -n 18 more.tsv >fewer.tsv; :>out; :>err");
     write_file("grains.tsv", print_grains);
     write_file("p_grains.tsv", print_stress_grains);
     write_file("p_contacts.tsv", print_stress_contacts);
     write_file("piles.tsv", print_piles);
-    write_text("bent.tsv", "# x\ty\tse\n1\t1\t0.1\n2\t2.1\t0.1\n3\t2.9\t0.1\n4\t4.3\t0.1\n");
     write_text("flat.tsv", "# x\ty\n1\t1\n2\t1.3\n3\t0.9\n1\t1.1\n2\t1\n3\t1.4\n");
     write_text("start.tsv", "# x\ty\tr\n0.1\t0.1\t0.1\n0.3\t0.1\t0.1\n0.2\t0.274\t0.1\n");
     write_text("t.tsv", "# v_mean\tv_se\tn\n20.5\t0.1\t101\n");

@@ -1,4 +1,4 @@
-/* Scene files: contents, refused input, and written scenes that read back to the same bits. */
+/* Scene files: contents, and refused input. */
 #include "dem/state/state.h"
 #include "tests/folder.h"
 #include "tests/grains.h"
@@ -35,73 +35,6 @@ static void example(void)
     CHECK_NEAR(t.grains[1].m, M_PI * 0.12 * 0.12, 1e-16);
 }
 
-/* Write, read, and run both: the same bits. With particles, and with a filling and a wall that opens. */
-static void written_and_read(void)
-{
-    static const char *const texts[] = {
-        NULL,
-        "steps = 400; rotation = true; shape = \"disk\"; density = 0.1;\n"
-        "tangential = { law = \"spring\"; mu = 0.3; damping = \"outside\"; };\n"
-        "rolling = { mu = 0.05; k = 2.0e4; gamma = 31.0; };\n"
-        "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; mu_roll = 0.02; k_roll = 1.7e4;\n"
-        "            gamma_roll = 11.0; } );\n"
-        "particles = ( { x = 0.0; y = 0.1; r = 0.1; vx = 5.0; angle = 0.3; omega = -20.0; },\n"
-        "              { x = 0.05; y = 0.29; r = 0.1; omega = 7.0; } );\n",
-        "steps = 3000; x_max = 4.5; y_min = -0.4; gravity_turn_deg_per_step = 0.001; turn_from_step = 2000;\n"
-        "normal = { law = \"linear\"; k_n = 1.0e5; tension = false; };\n"
-        "tangential = { law = \"spring\"; mu = \"infinite\"; slip = \"total\"; };\n"
-        "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; extent = [-1.0e9, 1.5]; },\n"
-        "          { point = [0.0, 0.0]; direction = [1.0, 0.0]; },\n"
-        "          { point = [1.5, 0.0]; direction = [-1.0, 0.0]; extent = [0.0, 1e3]; open_at_step = 1500;\n"
-        "            open_speed = 37.0; } );\n"
-        "fill = { N = 40; W = 1.5; H = 3.0; seed = 5; run = 3; };\n",
-        "integrator = \"gear5\"; dt = 4e-5; steps = 400; box_turn_deg_per_step = 0.001; turn_from_step = "
-        "100;\n"
-        "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
-        "particles = ( { x = 0.3; y = 0.11; r = 0.1; }, { x = 2.0; y = 0.2; r = 0.1; vx = 9.0; } );\n",
-        "steps = 900; rotation = true; normal = { law = \"linear\"; k_n = 1.0e5; tension = false; };\n"
-        "tangential = { law = \"slip_roll\"; gamma_s = 31.0; mu = 0.07; };\n"
-        "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
-        "ground = { mu_static = 0.4; a = 0.013; set = \"again\"; };\n"
-        "hard = { restitution = 0.3; mu = \"infinite\"; };\n"
-        "particles = ( { x = 0.0; y = 0.13; r = 0.1; vx = 9.0; }, { x = 0.3; y = 0.21; r = 0.1; } );\n",
-        "steps = 600; tangential = { law = \"spring\"; mu = 0.3; };\n"
-        "walls = ( { circle = [0.1, 0.2, 0.9]; sides = 23; omega = 4.0; mu = 0.7; velocity = [1.0, -2.0]; "
-        "},\n"
-        "          { polygon = ( [0.1, 0.7], [0.3, 0.9], [0.2, 0.95] ); closed = false; omega = -0.3;\n"
-        "            pivot = [0.1, 0.8]; } );\n"
-        "fill = { N = 5; W = 0.8; H = 0.6; x0 = -0.3; y0 = -0.3; };\n",
-        "steps = 600; particles = ( { x = 0.0; y = 0.0; r = 0.1; fixed = true; },\n"
-        "                           { x = 0.02; y = 0.21; r = 0.1; } );\n",
-        "integrator = \"implicit\"; dt = 2e-4; steps = 300; normal = { law = \"linear\"; k_n = 1.0e5; };\n"
-        "implicit = { solver = \"sor\"; relaxation = 0.85; tolerance = 3.0e-14; max_iterations = 777; };\n"
-        "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
-        "particles = ( { x = 0.3; y = 0.11; r = 0.1; }, { x = 0.4; y = 0.3; r = 0.1; vy = -9.0; } );\n"};
-    for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
-        scoped_scene s = {0}, back = {0};
-        scoped_sim *a = NULL, *b = NULL;
-        CHECK_OK(grains_read(k == 0 ? EXAMPLE : texts[k], NULL, &s));
-        grains_reread(&s, &back);
-        CU_ASSERT(s.steps == back.steps && s.def.integrator == back.def.integrator);
-        CU_ASSERT_EQUAL(back.def.integrator, k == 3 ? DEM_GEAR5 : k == 7 ? DEM_IMPLICIT : DEM_VERLET);
-        CU_ASSERT(k != 7 ||
-                  (back.def.implicit.solver == DEM_SOLVER_SOR && back.def.implicit.relaxation == 0.85 &&
-                   back.def.implicit.tolerance == 3e-14 && back.def.implicit.max_iterations == 777));
-        CU_ASSERT(s.def.box_turn_per_step == back.def.box_turn_per_step);
-        CHECK_NEAR(back.def.box_turn_per_step, k == 3 ? 0.001 * M_PI / 180.0 : 0.0, 1e-20);
-        CHECK_OK(dem_scene_start(&s, &a));
-        CHECK_OK(dem_scene_start(&back, &b));
-        CHECK_OK(dem_run(a, s.steps));
-        CHECK_OK(dem_run(b, s.steps));
-        CU_ASSERT(grains_same_bits(a, b) && dem_count(a) > 1);
-        dem_state p[40];
-        CHECK_OK(dem_states(a, p));
-        CU_ASSERT(p[0].fixed == (k == 6) && !p[1].fixed);
-        CU_ASSERT((back.def.ground.wall == 1 && back.def.hard.on) == (k == 4));
-        CU_ASSERT((a->walls.angle != 0.0) == (k == 3));
-    }
-}
-
 static void refused(void)
 {
     static const struct {
@@ -126,25 +59,16 @@ static void refused(void)
          ":2: tangential.la: unknown key (did you mean \"law\"?); allowed: law"},
         {"tangential = { law = \"sprnig\"; };", "(did you mean \"spring\"?)"},
         {"walls = ( { pint = 1; } );", ":2: walls.[0].pint: unknown key (did you mean \"point\"?)"},
-        {"dt = 0.0;", ":2: dt = 0: out of range"},
         {"dt = \"fast\";", ":2: dt = \"fast\": character 1: unknown name fast"},
         {"tangential = { law = \"spring\"; }; rolling = { mu = 0.1; };",
          ":2: mu_roll = 0.1: needs rotation = true"},
         {"rolling = { mu = 0.1; };", ":2: mu_roll = 0.1: needs a tangential law"},
         {"ground = { mu_static = 0.5; };", ":2: ground.a: missing"},
-        {"hard = { restitution = 1.1; };", ":2: hard.restitution = 1.1: out of range, allowed: [0, 1]"},
         {"gravity = [0.0, 0.0, 1.0];", ":2: gravity: two numbers"},
         {"gravity = 981.0;", ":2: gravity: two numbers"},
-        {"integrator = \"other\";",
-         "integrator = \"other\": unknown word, allowed: verlet | gear5 | implicit"},
         {"implicit = { relaxation = 0.9; };", ":2: implicit: needs integrator = \"implicit\""},
-        {"integrator = \"implicit\"; implicit = { relaxation = 2.0; };",
-         ":2: implicit.relaxation = 2: out of range, allowed: (0, 2)"},
         {"normal = 3;", ":2: normal: a group { ... } expected"},
-        {"normal = { law = \"cubic\"; };", "hertz | linear"},
         {"tangential = { mu = 0.3; };", ":2: mu = 0.3: needs a tangential law"},
-        {"tangential = { law = \"spring\"; mu = -0.3; };",
-         ":2: tangential.mu = -0.3: out of range, allowed: [0, inf) | infinite"},
         {"walls = ( { point = [0.0, 0.0]; } );", "direction: missing"},
         {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 0.0]; } );",
          ":2: direction = [0, 0]: must not be 0"},
@@ -163,8 +87,7 @@ static void refused(void)
         {"fill = { N = 3; W = 1.0; H = 1.0; radius_law = \"table\"; radii = ( (0.1, 0.0) ); };",
          ":2: radii: a list ( [r, share], ... ) is needed"},
         {"fill = { N = 3; W = 1.0; H = 1.0; radius_law = \"table\"; radii = ( (-0.1, 1.0) ); };",
-         ":2: radii: [-0.1, 1]: a radius above 0 and a share expected"},
-        {"steps = -3;", ":2: steps = -3: out of range"}};
+         ":2: radii: [-0.1, 1]: a radius above 0 and a share expected"}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         const char *text =
             check_text("particles = ( { x = 0.0; y = 0.5; r = 0.1; } );\n%s\n", cases[k].change);
@@ -177,17 +100,13 @@ static void refused(void)
          ":1: particles.[0].r = -0.1: out of range, allowed: (0, inf) cm"},
         {"particles = ( { x = 0.0; y = 0.5; } );", "r: missing"},
         {"particles_file = \"/no/such/table.tsv\";", "/no/such/table.tsv: cannot read"},
-        {"fill = { N = 0; W = 1.0; H = 1.0; };", "N = 0: out of range"},
         {"fill = { N = 4; W = 1.0; H = 1.0; radius_mean = 0.2; };", "radius_mean = 0.2: must lie between"},
-        {"box_turn_deg_per_step = 11.0; particles = ( { x = 0.0; y = 0.5; r = 0.1; } );",
-         "box_turn_deg_per_step = 11: out of range"},
         {"fill = { W = 1.0; H = 1.0; };", "N: missing (number of grains)"}};
     for (size_t k = 0; k < sizeof whole / sizeof *whole; k++) grains_refused(whole[k][0], NULL, whole[k][1]);
     static const char *const sets[][2] = {{"steps", "key=value expected"},
                                           {"nothing.mu=0.1", "no such group"},
                                           {"particle.mu=0.1", "no such group (did you mean \"particles\"?)"},
                                           {"mu=0.1", "--set mu=0.1: of a scene the key is tangential.mu"},
-                                          {"dt=-1", "dt = -1: out of range"},
                                           {"dt=[1.0,2.0]", "dt: one value expected, not a list"},
                                           {"=3", "--set =3: key=value expected"},
                                           {"walls[9].mu=0.1", "walls[0] to walls["},
@@ -450,7 +369,7 @@ static void bed_taken_back(void)
     folder_remove(folder);
 }
 
-/* Values of a file, typed again; what is written of them and read again is the same. */
+/* Values of a file, typed again. */
 static void values_of_a_file(void)
 {
     static const char *const text =
@@ -466,45 +385,25 @@ static void values_of_a_file(void)
     static const dem_grain typed[3] = {{0.25, 0.5, 1.5, 0.5, 2.0, -3.0},
                                        {4.0, 5.5, 0.125, 0.0, .fixed = true},
                                        {1.0, 9.0, 0.25, 3.0, 0.0, 0.0}};
-    scoped_scene typed_in = {0}, back = {0};
-    CHECK_OK(grains_read(text, NULL, &typed_in));
-    grains_reread(&typed_in, &back);
-    const dem_scene *const s[] = {&typed_in, &back};
-    for (int k = 0; k < 2; k++) {
-        const dem_definition *def = &s[k]->def;
-        CU_ASSERT(def->gravity[0] == 3.0 && def->gravity[1] == -5.0 && def->skin == 0.25 &&
-                  def->x_min == -9.5 && def->x_max == 7.0);
-        CHECK_NEAR(def->turn_per_step, M_PI / 360.0, 1e-17);
-        CU_ASSERT(def->y_min == -2.5 && def->n_walls == 2 && def->n_grains == 3 && def->wall_list == NULL);
-        dem_wall a = def->walls[0], b = def->walls[1];
-        CHECK_NEAR(a.direction[0], 0.6, 1e-16);
-        CHECK_NEAR(a.direction[1], 0.8, 2e-16);
-        a.direction[0] = 0.6, a.direction[1] = 0.8;
-        dem_wall first = {{-4.0, 1.0}, {0.6, 0.8}, a.material, {-2.0, 3.0}, -1, INFINITY, {1.5, -2.5}, 0.75},
-                 second = {{-8.0, 9.0}, {-0.6, 0.8000000005}, b.material, {-0.5, 0.75}, 17, 6.0};
-        first.pivot[0] = 4.0, first.pivot[1] = 6.0;
-        CU_ASSERT(same_wall(&a, &first) && same_wall(&b, &second));
-        for (int i = 0; i < 3; i++) {
-            dem_grain p = typed[i];
-            if (i == 1) p.m = s[k]->grains[1].m;
-            CU_ASSERT(same_grain(&s[k]->grains[i], &p));
-        }
-    }
-    for (int w = 0; w < 2; w++) CU_ASSERT(same_wall(&typed_in.def.walls[w], &back.def.walls[w]));
-    CU_ASSERT(typed_in.grains[1].m == back.grains[1].m);
-}
-
-/* A wall with one end, as the floor that ends at the opening: what has no end is written as far away. */
-static void half_lines(void)
-{
-    for (int end = 0; end < 2; end++) {
-        scoped_scene s = {0}, back = {0};
-        CHECK_OK(grains_read(EXAMPLE, NULL, &s));
-        s.def.walls[0].extent[end] = end ? 2.385 : -0.25;
-        grains_reread(&s, &back);
-        CHECK_NEAR(back.def.walls[0].extent[end], end ? 2.385 : -0.25, 0.0);
-        CU_ASSERT(fabs(back.def.walls[0].extent[1 - end]) >= 1e300);
-        CU_ASSERT((back.def.walls[0].extent[1 - end] < 0.0) == (end == 1));
+    scoped_scene s = {0};
+    CHECK_OK(grains_read(text, NULL, &s));
+    const dem_definition *def = &s.def;
+    CU_ASSERT(def->gravity[0] == 3.0 && def->gravity[1] == -5.0 && def->skin == 0.25 && def->x_min == -9.5 &&
+              def->x_max == 7.0);
+    CHECK_NEAR(def->turn_per_step, M_PI / 360.0, 1e-17);
+    CU_ASSERT(def->y_min == -2.5 && def->n_walls == 2 && def->n_grains == 3 && def->wall_list == NULL);
+    dem_wall a = def->walls[0], b = def->walls[1];
+    CHECK_NEAR(a.direction[0], 0.6, 1e-16);
+    CHECK_NEAR(a.direction[1], 0.8, 2e-16);
+    a.direction[0] = 0.6, a.direction[1] = 0.8;
+    dem_wall first = {{-4.0, 1.0}, {0.6, 0.8}, a.material, {-2.0, 3.0}, -1, INFINITY, {1.5, -2.5}, 0.75},
+             second = {{-8.0, 9.0}, {-0.6, 0.8000000005}, b.material, {-0.5, 0.75}, 17, 6.0};
+    first.pivot[0] = 4.0, first.pivot[1] = 6.0;
+    CU_ASSERT(same_wall(&a, &first) && same_wall(&b, &second));
+    for (int i = 0; i < 3; i++) {
+        dem_grain p = typed[i];
+        if (i == 1) p.m = s.grains[1].m;
+        CU_ASSERT(same_grain(&s.grains[i], &p));
     }
 }
 
@@ -528,5 +427,5 @@ static void energy_of_few(void)
     }
 }
 
-CHECK_SUITE(scene, "scene", example, written_and_read, half_lines, particles_from_table, infinite_rolling,
-            bed_taken_back, fill_among_walls, listed_overlaps, values_of_a_file, energy_of_few, refused)
+CHECK_SUITE(scene, "scene", example, particles_from_table, infinite_rolling, bed_taken_back, fill_among_walls,
+            listed_overlaps, values_of_a_file, energy_of_few, refused)

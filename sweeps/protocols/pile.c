@@ -201,7 +201,7 @@ static rp_status find_level(const statics_pile *pile, pile_values *v)
 }
 
 /* As of protocol drop, from the load of the base disks alone. A single disk has no profile. Diagonal contacts
- * alone, `exact` (NULL: not known), are rays of 60 degrees under the pile's own steps. */
+ * alone, `exact`, are rays of 60 degrees under the pile's own steps. */
 static rp_status base_profile(size_t k, const double x[], const double r[], const double N[],
                               const double exact[], pile_values *v)
 {
@@ -212,7 +212,6 @@ static rp_status base_profile(size_t k, const double x[], const double r[], cons
     memcpy(v->n, base.N, sizeof base.N);
     v->D = stress_dip(base.N);
     v->middle = stress_middle(base.N);
-    if (!exact) return RP_OK;
     stress_base_bins(&base, k, x, r, exact, rays);
     v->excess = stress_excess(base.N, rays);
     status = stress_base_profile(k, x, r, exact, &diagonals);
@@ -260,12 +259,12 @@ static rp_status measure(sweep_solved *s, pile_values *v)
     const size_t k = s->r.wells;
     double *x;
     RP_NEW(&memory, x, 4 * k);
-    double *r = x + k, *exact = s->h->exact ? r + k : NULL;
+    double *r = x + k, *exact = r + k;
     for (size_t i = 0; i < k; i++) {
         x[i] = s->h->disks[s->disk[i]].x;
         r[i] = 0.5;
     }
-    if (exact) compare_diagonals(s, x, exact, v);
+    compare_diagonals(s, x, exact, v);
     RP_TRY(base_profile(k, x, r, s->N, exact, v));
     RP_TRY(find_level(s->pile, v));
     v->H_N_max = sweep_outline_friction(k, s->N, s->H);

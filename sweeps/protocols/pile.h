@@ -13,8 +13,8 @@ typedef struct {
     size_t n, k; /* disks; in the base */
     long *up;    /* [k] disks of the diagonal that rises to the right from a disk of the base */
     statics_disk *disks;
-    an_force *exact; /* [k] by diagonals alone, of equal disks; NULL if not known */
-    double B;        /* base of the same outline and the same weight; NAN if not known */
+    an_force *exact; /* [k] by diagonals alone, of equal disks */
+    double B;        /* base of the same outline and the same weight */
     rp_arena memory;
 } sweep_outline;
 
@@ -53,9 +53,9 @@ extern const rp_param sweep_pile_schema[];
  * is zero at first, also after an error. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
 rp_status sweep_pile_outline(const sweep_pile *p, unsigned long seed, unsigned long run, sweep_outline *h);
 
-/* One pile, solved. `watch` (may be NULL) and its context are those of statics_definition. Free with sweep_solved_free,
- * also after an error. Errors: RP_NO_RESULT (no equilibrium: `results` has its status and message), and those
- * of statics_create. */
+/* One pile, solved. `watch` (may be NULL) and its context are those of statics_definition. Free with
+ * sweep_solved_free, also after an error. Errors: RP_NO_RESULT (no equilibrium: `results` has its status and
+ * message), and those of statics_create. */
 typedef struct {
     const sweep_pile *p;
     const sweep_outline *h;
@@ -63,7 +63,7 @@ typedef struct {
     statics_result r;
     size_t *disk;                             /* [r.wells] of the base, from left to right; */
     double *N, *H;                            /* forces on them, m g */
-    double N_error_rms, N_error_max, H_ratio; /* outputs; NAN where diagonals alone are not known */
+    double N_error_rms, N_error_max, H_ratio; /* outputs */
     rp_arena memory;
 } sweep_solved;
 rp_status sweep_pile_solve(const sweep_pile *p, const sweep_outline *h,

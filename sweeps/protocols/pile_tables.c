@@ -47,7 +47,7 @@ rp_status sweep_pile_write_base(const sweep_solved *s, FILE *out)
                     "H/(chi*g*B)");
     for (size_t i = 0; i < k; i++) {
         const double x = h->disks[disk[i]].x;
-        const an_force exact = h->exact ? h->exact[i] : (an_force){NAN, NAN};
+        const an_force exact = h->exact[i];
         rp_table_row(out, 9,
                      (double[]){(double)i + 1, x, N[i], H[i], exact.N, exact.H, 0.5 + (x - middle) / h->B,
                                 N[i] / h->B, H[i] / h->B});

@@ -70,17 +70,10 @@ static int run_line(const char *line, const char *separator)
 
 /* ---- scenes ---- */
 
-/* What is written reads back. Scenes of a few grains run for some steps. */
+/* Scenes of a few grains run for some steps. */
 static void use_scene(dem_scene *scene)
 {
-    dem_scene again;
     dem_sim *sim = NULL;
-    FILE *out = fopen("written.cfg", "w");
-    demand(out, "cannot write");
-    dem_scene_write(scene, out);
-    fclose(out);
-    demand(dem_scene_read("written.cfg", NULL, &again) == RP_OK, "a written scene is refused");
-    dem_scene_free(&again);
     const bool small = scene->fills ? scene->fills->N <= 30 : scene->def.n_grains <= 30;
     scene->def.implicit.max_iterations = 20;
     if (small && dem_scene_start(scene, &sim) == RP_OK) (void)!dem_run(sim, 5);
