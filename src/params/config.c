@@ -1,7 +1,6 @@
 /* Parameter files through a schema; see config.h. */
 #include "params/config.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -262,19 +261,6 @@ rp_status rp_config_numbers(const config_setting_t *setting, int n, bool finite,
 rp_status rp_config_pair(const config_setting_t *setting, double pair[2])
 {
     return rp_config_numbers(setting, 2, true, pair);
-}
-
-void rp_config_write(FILE *out, const rp_param *schema, const void *values)
-{
-    char text[512];
-    for (; schema->name; schema++) {
-        rp_params_text(schema, values, text, sizeof text);
-        bool number = (schema->type == RP_REAL || schema->type == RP_INT) && !isalpha(text[0]);
-        const char *quote = number || schema->type == RP_BOOL ? "" : "\"";
-        /* whole numbers above 2^31 - 1 would be refused, so a real number is written with its point */
-        const char *point = number && schema->type == RP_REAL && !strpbrk(text, ".e") ? ".0" : "";
-        fprintf(out, "%s = %s%s%s%s; ", schema->name, quote, text, point, quote);
-    }
 }
 
 /* In quotes, as a parameter file has it. */

@@ -53,9 +53,6 @@ void rp_config_write_value(FILE *out, const config_setting_t *setting);
 /* The same for keys: however its numbers are typed. */
 void rp_config_write_key(FILE *out, const config_setting_t *setting);
 
-/* Write "name = value; " for each parameter of a schema; rp_config_group reads the same bits back. */
-void rp_config_write(FILE *out, const rp_param *schema, const void *values);
-
 /* An RP_BAD_INPUT failure that starts with the setting's file and line. */
 rp_status rp_config_fail(const config_setting_t *setting, const char *format, ...)
     __attribute__((format(printf, 2, 3)));

@@ -63,10 +63,6 @@ rp_status dem_scene_grains(const dem_scene *scene, dem_grain **grains, size_t *n
 /* Fill if there is something to fill, and make the simulation. Errors: as dem_fill_grains, dem_create. */
 rp_status dem_scene_start(const dem_scene *scene, dem_sim **sim);
 
-/* Write a scene that dem_scene_read reads back to the same bits (a turn of gravity: to round-off), but for
- * the springs of a contacts_file, for which a scene's text has no key. */
-void dem_scene_write(const dem_scene *scene, FILE *out);
-
 /* The schemas of a scene file: top level, then groups; ended by a NULL name. The manual says what a group
  * describes, and its source. */
 typedef struct {
