@@ -12,7 +12,6 @@
 #include <unistd.h>
 
 #include "core/file.h"
-#include "params/units.h"
 #include "sweeps/engine/keep.h"
 
 /* One process at a time changes a store. The lock goes with the process, whatever ends it; its workers, which
