@@ -117,7 +117,7 @@ def read_table(path):
 
 def read_store(path):
     """The stored runs of a sweep's folder (or of that of its store.sqlite), with all parameters and outputs as columns.
-    The program reads them, those of shards that are not merged too, and checks each; notes["missing"] says how many
+    The program reads them, those of shards that are not merged too; notes["missing"] says how many
     are not stored."""
     path = pathlib.Path(path).absolute()
     found = json.loads(_output("export", path.parent if path.name == "store.sqlite" else path, "--to", "json", allowed=(0, 1)))

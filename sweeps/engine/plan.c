@@ -8,7 +8,6 @@
 #include "core/file.h"
 #include "params/units.h"
 #include "core/version.h"
-#include "dem/dem.h"
 
 enum { MAX_RUNS = 10000000 };
 enum { PILES_OWN, PILES_SHARED };
