@@ -40,7 +40,6 @@ static uint64_t layout(void)
 
 static void keep_all(run_driver *d, rp_snapshot *s)
 {
-    RP_KEEP(s, d->written);
     if (!s->status) s->status = run_keep_tables(d, s);
     if (d->to.keep) d->to.keep(s, d->to.host);
     exp_keep(s, d->run);
