@@ -32,6 +32,12 @@ grep -rnE '\b(str|mem)[a-z]*\(rp_message' src sweeps analytic report && echo "li
 # Names are no patterns, and no text is a command: the program has neither a shell nor patterns of names.
 nm -D -u "$build/repose" | grep -wE 'system|popen|wordexp|glob|glob64|fnmatch' && echo "lint: build/repose calls these" && bad=1
 python3 -B tests/rooms.py "$build" || bad=1
+# The changes of `make changes` apply, and CONTRIBUTING.md has their table; a tree in which they are tried has none.
+if [ -d tests/changes ]; then
+    for patch in tests/changes/*.patch; do git apply --check "$patch" || { echo "lint: $patch does not apply" && bad=1; }; done
+    sh tests/changes/changes.sh --table >"$build/changes.md"
+    grep -vxFf CONTRIBUTING.md "$build/changes.md" && echo "lint: CONTRIBUTING.md has another table of tests/changes" && bad=1
+fi
 for figure in figures/*/*.gp; do
     named=" $(sed -n 's/^# sweeps: //p' "$figure") "
     for sweep in $(grep -v '^#' "$figure" | sed "s/published(/'claims\//g; /^load /d" | grep -oE "['\"][a-z][A-Za-z0-9_]*/" | tr -d "'\"/"); do

@@ -1,11 +1,13 @@
 # What takes long, or needs programs that `make setup` does not install.
-.PHONY: fuzz analyze drill mutate check-slurm check-readers check-arm64 check-report studies
+.PHONY: fuzz analyze drill changes mutate check-slurm check-readers check-arm64 check-report studies
 fuzz: ## every reader by libFuzzer, with clang: make fuzz FOR=60 (seconds each), FOR=runs=100000, TARGETS='scene line'
 	@sh tests/fuzz/fuzz.sh $(B) $(or $(FOR),60) $(JOBS) $(TARGETS)
 analyze: $(REPOSE) ## gcc -fanalyzer, cppcheck, clang-tidy, scan-build, valgrind, against the list in tests/analyze.txt
 	@sh tests/analyze.sh $(B) $(JOBS)
-drill: $(B)/check $(REPOSE) ## 2000 kills (KILLS=) and every other failure done to sweeps, and the matrix of determinism
-	@RP_DRILL=$(or $(KILLS),2000) REPOSE=$(REPOSE) $(B)/check drill && sh tests/drill/matrix.sh $(B)
+drill: $(B)/check $(REPOSE) $(REPORT) ## 2000 kills (KILLS=) and every other failure done to sweeps, the matrix of determinism, and `make changes`
+	@RP_DRILL=$(or $(KILLS),2000) REPOSE=$(REPOSE) $(B)/check drill && sh tests/drill/matrix.sh $(B) && sh tests/changes/changes.sh $(B)
+changes: $(B)/check $(REPOSE) $(REPORT) ## small changes of each kind: each passes its suites, and none of its files can be forgotten; CHANGES='column command'
+	@sh tests/changes/changes.sh $(B) $(CHANGES)
 mutate: | $(SETUP_FIRST) ## changes models, statistics, commands and figures line by line: do the tests see it? MUTANTS=300, SEED=0 draws them
 	@sh tests/mutate/mutate.sh $(B) $(or $(MUTANTS),300) $(JOBS) $(or $(SEED),0)
 check-slurm: $(REPOSE) ## sweeps on a real Slurm, here: a controller and two virtual nodes; as root, installs Slurm
