@@ -34,7 +34,7 @@ int main(void)
     if (!status) status = statics_solve(pile, &result);
     if (!status) {
         statics_base(pile, NULL, N, H);
-        rp_table_header(stdout, "i, N/mg, H/mg");
+        rp_table_header(stdout, RP_CGS, "i, N/mg, H/mg");
         for (int i = 0; i < BASE; i++) rp_table_row(stdout, 3, (double[]){i + 1, N[i], H[i]});
     }
     if (status) fprintf(stderr, "pile: %s\n", rp_message());

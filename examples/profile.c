@@ -10,7 +10,7 @@
 int main(void)
 {
     const double pi = acos(-1.0), slope = 30 * pi / 180;
-    rp_table_header(stdout, "x/B, N/(chi*g*B), H/(chi*g*B)");
+    rp_table_header(stdout, RP_CGS, "x/B, N/(chi*g*B), H/(chi*g*B)");
     for (int i = 0; i <= 10; i++) {
         an_force force;
         const double x = i / 10.0;

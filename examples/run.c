@@ -25,7 +25,7 @@ static rp_status print_grains(const dem_sim *sim)
     const size_t n = dem_count(sim);
     dem_state *grains = malloc(n * sizeof *grains);
     rp_status status = grains ? dem_states(sim, grains) : RP_NO_MEMORY;
-    rp_table_header(stdout, "x [cm], y [cm], r [cm]");
+    rp_table_header(stdout, RP_CGS, "x [cm], y [cm], r [cm]");
     for (size_t i = 0; i < n && !status; i++)
         rp_table_row(stdout, 3, (double[]){grains[i].x, grains[i].y, grains[i].r});
     free(grains);

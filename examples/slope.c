@@ -22,7 +22,7 @@ static rp_status read_column(const rp_table *table, const char *name, double **v
 static void print_slopes(const ang_slope slopes[ANG_N_METHODS])
 {
     const double degree = acos(-1.0) / 180;
-    rp_table_header(stdout, "method, theta_deg [deg], theta_se_deg [deg]");
+    rp_table_header(stdout, RP_CGS, "method, theta_deg [deg], theta_se_deg [deg]");
     for (int i = 0; i < ANG_N_METHODS; i++)
         rp_table_row(stdout, 3, (double[]){i + 1, slopes[i].theta / degree, slopes[i].theta_se / degree});
 }

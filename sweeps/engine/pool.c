@@ -85,14 +85,17 @@ static rp_status remove_snapshot(const pool *p, size_t run)
 /* Make a run, from its snapshot if there is one; a snapshot that is refused is named in the row. */
 static rp_status make(const pool *p, size_t run, sweep_result *result)
 {
-    char key[33], path[4096], why[sizeof result->message] = "";
+    char key[33], path[4096], owner[40], why[sizeof result->message] = "";
     const sweep_tables kept = {.snapshot = path,
-                               .owner = key,
+                               .owner = owner,
                                .interval = p->options->snapshot,
                                .stop = p->stop,
                                .why = why,
                                .size = sizeof why};
     if (p->snapshots) snapshot_of(p, run, key, path);
+    if (p->snapshots) /* with other measures it keeps other samples */
+        snprintf(owner, sizeof owner, "%s %06x", key,
+                 (unsigned)(sweep_outputs_hash(p->plan->protocol->outputs) & 0xffffff));
     const rp_status status = sweep_plan_run(p->plan, run, p->snapshots ? &kept : NULL, result);
     if (!*result->message) snprintf(result->message, sizeof result->message, "%s", why);
     return status;

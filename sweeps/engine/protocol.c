@@ -43,6 +43,14 @@ rp_status sweep_table_close(sweep_file *file, rp_status keep)
     return status;
 }
 
+uint64_t sweep_outputs_hash(const sweep_output outputs[])
+{
+    XXH64_hash_t hash = 0;
+    for (const sweep_output *o = outputs; o->name; o++)
+        hash = XXH3_64bits_withSeed(sweep_output_stored(o), strlen(sweep_output_stored(o)), hash);
+    return hash;
+}
+
 size_t sweep_count_outputs(const sweep_protocol *protocol)
 {
     size_t n = 0;

@@ -24,6 +24,11 @@ typedef struct {
     const char *stored; /* its name in a store, which also tells how it is measured; NULL: `name` */
 } sweep_output;
 
+static inline const char *sweep_output_stored(const sweep_output *o)
+{
+    return o->stored ? o->stored : o->name;
+}
+
 /* What one run yields. `status` is one of the protocol's words, "ok" for a full result; values that the
  * run has no result for are NaN. Wall time is kept apart, by the caller. */
 typedef struct {
@@ -92,6 +97,9 @@ typedef struct {
 } sweep_file;
 rp_status sweep_table_open(const sweep_tables *tables, rp_units units, const char *name, sweep_file *file);
 rp_status sweep_table_close(sweep_file *file, rp_status status);
+
+/* Hash of what is measured, and in which order: of the names in a store. */
+uint64_t sweep_outputs_hash(const sweep_output outputs[]);
 
 /* Is this the name of a column that each table has? */
 bool sweep_column_is_taken(const char *name);

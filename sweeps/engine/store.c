@@ -3,12 +3,16 @@
  *   runs   key, status, message, seconds, parameters (JSON: those that the file gives), results (JSON: an
  *          output without a value is null; the name of a measure has the hash of its text), program; a row
  *          a finished run
- * A row that lacks an output, of a measure that is new in the text, is run again and keeps what it has. Which
+ * A row that lacks an output, of a measure that is new in the text, is run again and keeps what it has; one
+ that
+ * is no result ended so with all of its measures, and holds for these together: results then have "of HASH".
+ Which
  * runs there are follows from the sweep's file, and the store is asked for them by key. Rows are committed in
  * groups of a quarter of a second, each synced to the disk. An open store is the parent's alone: no worker
  * touches it. Its rollback journal works on file systems of several machines too. */
 #include "sweeps/engine/private.h"
 
+#include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
 #include <stdarg.h>
@@ -22,10 +26,19 @@
 enum { FORMAT = 5, PATIENCE_MS = 60000 };
 static const double GROUP_SECONDS = 0.25;
 #define COLUMNS "key, status, message, seconds, parameters, results, program"
+/* Results of this, for a run that is none. */
+#define OF "\"of %016" PRIx64 "\":null"
+/* Of a row that is there and another under its key: both are results; the other has something new, or is a
+ * result where this is none, or none where this is. */
+#define BOTH_GOOD "status LIKE 'ok%%' AND excluded.status LIKE 'ok%%'"
+#define NEW                                                                                                  \
+    "excluded.status NOT IN " RP_MACHINE_STATUS                                                              \
+    " AND ((status LIKE 'ok%%') <> (excluded.status LIKE 'ok%%') OR EXISTS (SELECT key FROM"                 \
+    " json_each(excluded.results) EXCEPT SELECT key FROM json_each(results)))"
 /* Of a row that is there, what the other has of results besides. */
 #define UNITES                                                                                               \
-    " ON CONFLICT (key) DO UPDATE SET results = unite(results, excluded.results) WHERE results <> "          \
-    "excluded.results"
+    " ON CONFLICT (key) DO UPDATE SET results = unite(results, excluded.results) WHERE " NEW " AND"          \
+    " " BOTH_GOOD
 
 static rp_status failed(const sweep_store *s)
 {
@@ -74,7 +87,7 @@ static rp_status check_format(sweep_store *s, const char *schema, bool *empty)
                          format, FORMAT);
 }
 
-/* SQL: the results of both texts; of one name the first's. */
+/* SQL: the results of both; of one name the first's. */
 static void unite_results(sqlite3_context *context, int n, sqlite3_value **texts)
 {
     json_t *all = json_loads((const char *)sqlite3_value_text(texts[0]), JSON_DECODE_INT_AS_REAL, NULL),
@@ -146,31 +159,31 @@ rp_status sweep_store_write_notes(sweep_store *s, const sweep_plan *plan, const 
 
 /* ---- rows ---- */
 
-static const char *name_of(const sweep_output *o)
+static char *results_text(const sweep_output outputs[], const sweep_result *result)
 {
-    return o->stored ? o->stored : o->name;
-}
-
-static char *results_text(const sweep_output outputs[], const double values[])
-{
+    const double *values = result->values;
     sqlite3_str *text = sqlite3_str_new(NULL);
     for (size_t i = 0; outputs[i].name; i++) {
         const double v = values[i] + 0.0; /* no minus of a zero */
         char number[32];
         snprintf(number, sizeof number, "%.17g", v);
         sqlite3_str_appendf(text, isinf(v) ? "%s\"%s\":\"%s\"" : "%s\"%s\":%s", i > 0 ? "," : "{",
-                            name_of(&outputs[i]), isnan(v) ? "null" : number);
+                            sweep_output_stored(&outputs[i]), isnan(v) ? "null" : number);
     }
+    if (!rp_is_result(result->status))
+        sqlite3_str_appendf(text, "%s" OF, sqlite3_str_length(text) ? "," : "{", sweep_outputs_hash(outputs));
     sqlite3_str_appendall(text, sqlite3_str_length(text) ? "}" : "{}");
     return sqlite3_str_finish(text);
 }
 
-static bool has_all(const char *text, const sweep_output outputs[])
+static bool has_all(const char *status, const char *text, const sweep_output outputs[])
 {
     char name[320];
-    bool all = text != NULL;
+    bool all = status && text;
+    snprintf(name, sizeof name, OF, sweep_outputs_hash(outputs));
+    if (all && !rp_is_result(status)) return strstr(text, name) != NULL;
     for (size_t i = 0; all && outputs[i].name; i++) {
-        snprintf(name, sizeof name, "\"%s\":", name_of(&outputs[i]));
+        snprintf(name, sizeof name, "\"%s\":", sweep_output_stored(&outputs[i]));
         all = strstr(text, name) != NULL;
     }
     return all;
@@ -181,7 +194,7 @@ static bool read_results(const char *text, const sweep_output outputs[], double 
 {
     json_t *all = text ? json_loads(text, JSON_DECODE_INT_AS_REAL, NULL) : NULL;
     for (size_t i = 0; outputs[i].name; i++) {
-        const json_t *v = json_object_get(all, name_of(&outputs[i]));
+        const json_t *v = json_object_get(all, sweep_output_stored(&outputs[i]));
         values[i] = json_is_real(v)     ? json_real_value(v)
                     : json_is_string(v) ? strtod(json_string_value(v), NULL)
                                         : NAN;
@@ -196,8 +209,8 @@ rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep
     static const char sql[] =
         "INSERT INTO main.runs (" COLUMNS ") VALUES (?, ?, ?, ?, ?, ?, ?) ON CONFLICT (key) DO UPDATE SET"
         " status = excluded.status, message = excluded.message, seconds = excluded.seconds,"
-        " results = unite(excluded.results, results), program = excluded.program"
-        " WHERE excluded.status NOT IN " RP_MACHINE_STATUS;
+        " results = iif(" BOTH_GOOD ", unite(excluded.results, results), excluded.results),"
+        " program = excluded.program WHERE " NEW;
     char key[33], parameters[8192], program[256];
     if (!s->insert && sqlite3_prepare_v2(s->db, sql, -1, &s->insert, NULL) != SQLITE_OK) return failed(s);
     if (!s->pending) RP_TRY(run_sql(s, "BEGIN IMMEDIATE"));
@@ -211,10 +224,10 @@ rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep
     sqlite3_bind_text(s->insert, 3, row->result.message, -1, SQLITE_STATIC);
     sqlite3_bind_double(s->insert, 4, row->seconds);
     sqlite3_bind_text(s->insert, 5, parameters, -1, SQLITE_STATIC);
-    sqlite3_bind_text(s->insert, 6, results_text(plan->protocol->outputs, row->result.values), -1,
-                      sqlite3_free);
+    sqlite3_bind_text(s->insert, 6, results_text(plan->protocol->outputs, &row->result), -1, sqlite3_free);
     sqlite3_bind_text(s->insert, 7, program, -1, SQLITE_STATIC);
-    const bool stored = sqlite3_step(s->insert) == SQLITE_DONE;
+    const bool stored = sqlite3_step(s->insert) == SQLITE_DONE &&
+                        (sqlite3_changes(s->db) == 1 || strstr(RP_MACHINE_STATUS, row->result.status));
     sqlite3_reset(s->insert);
     return stored ? sweep_store_tick(s)
                   : rp_fail(RP_IO, "%s: cannot store run %zu: %s; the rows stored before are kept", s->path,
@@ -271,7 +284,8 @@ rp_status sweep_store_visit(sweep_store *s, const sweep_plan *plan, bool values,
         sqlite3_bind_text(s->find, 1, key, -1, SQLITE_STATIC);
         const int rc = sqlite3_step(s->find);
         const bool whole = rc == SQLITE_ROW &&
-                           has_all((const char *)sqlite3_column_text(s->find, 2), plan->protocol->outputs);
+                           has_all((const char *)sqlite3_column_text(s->find, 0),
+                                   (const char *)sqlite3_column_text(s->find, 2), plan->protocol->outputs);
         if (whole) status = read_row(s, plan, r, values, &row);
         if (whole && !status) status = visit(&row, context);
         if (rc != SQLITE_ROW && rc != SQLITE_DONE) status = failed(s);

@@ -3,6 +3,7 @@
 #include "sweeps/engine/private.h"
 
 #include <errno.h>
+#include <inttypes.h>
 #include <fcntl.h>
 #include <float.h>
 #include <math.h>
@@ -328,7 +329,8 @@ static void trace_owner(const sweep_plan *plan, size_t row, const sweep_tables *
 {
     char text[128], key[33];
     sweep_plan_key(plan, row, key);
-    snprintf(text, sizeof text, "%s every %ld ledger %d", key, tables->every, tables->ledger);
+    snprintf(text, sizeof text, "%s of %016" PRIx64 " every %ld ledger %d", key,
+             sweep_outputs_hash(plan->protocol->outputs), tables->every, tables->ledger);
     rp_hash_digits(XXH3_128bits(text, strlen(text)), owner);
 }
 

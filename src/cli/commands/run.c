@@ -198,7 +198,7 @@ static rp_status start(const char *path, scene_run *r)
     else if (*scene->particles_file && now.contacts > 0 && !scene->def.n_contacts &&
              dem_has_spring(scene->def.tangential))
         r->of.start = "grains touch, and their shear springs begin at 0; a bed at rest needs contacts_file";
-    if (r->of.start) fprintf(stderr, "repose run: %s: %s\n", path, r->of.start);
+    if (r->of.start && !r->o->quiet) fprintf(stderr, "repose run: %s: %s\n", path, r->of.start);
     r->driver.threads = (size_t)r->o->j;
     r->rest.steps = r->plain ? scene->steps : 0;
     if (r->plain) r->energy = cli_growth_of(scene, exp_sim(run));
