@@ -42,12 +42,13 @@ apply() {
     (cd "$tree" && GIT_CEILING_DIRECTORIES=$(dirname "$PWD") git apply "$@" "$patch")
 }
 
-# What sees that something is wrong with a tree: the build, lint, a suite, or nothing.
+# What sees that something is wrong with a tree: the build, lint, a suite, or nothing. Whether the code is formatted and all
+# else that lint looks at is asked of the whole change alone.
 seen_in() {
-    tree=$1
-    shift
+    tree=$1 lint=$2
+    shift 2
     make -s -C "$tree" -j2 build/check build/repose build/report CFLAGS="$quick" >"$tree/build.log" 2>&1 || { echo build && return; }
-    (cd "$tree" && make -s lint >lint.log 2>&1) || { echo lint && return; }
+    (cd "$tree" && $lint >lint.log 2>&1) || { echo lint && return; }
     for suite; do
         (cd "$tree" && REPOSE=build/repose build/check -j2 "$suite" >"$suite.log" 2>&1) || { echo "$suite" && return; }
     done
@@ -60,7 +61,7 @@ for name in ${*:-$(names)}; do
     rm -rf "$work/whole" "$work/less"
     cp -a "$work/base" "$work/whole"
     apply "$name" "$work/whole" || { bad=1 && continue; }
-    seen=$(seen_in "$work/whole" $suites)
+    seen=$(seen_in "$work/whole" "make -s lint" $suites)
     [ "$seen" = nothing ] || bad=1
     printf '%s\t%s\n' "$name" "$([ "$seen" = nothing ] && echo passes || echo "FAILS: $seen")"
     [ "$(files_of "$name" | wc -l)" -gt 1 ] || continue
@@ -74,7 +75,7 @@ for name in ${*:-$(names)}; do
             cp -a "$work/base" "$work/less"
             apply "$name" "$work/less" --exclude="$file" ;;
         esac
-        seen=$(seen_in "$work/less" $suites)
+        seen=$(seen_in "$work/less" "python3 -B tests/rooms.py build" $suites)
         [ "$seen" != nothing ] || { bad=1 && seen="NOTHING SEES IT"; }
         printf '%s\twithout %s\t%s\n' "$name" "$file" "$seen"
     done
