@@ -96,10 +96,13 @@ def names_of(sources, build):
 
 
 def unused(sources, build):
-    """Names that no other file uses, nor a test: a descriptor that is in no list, or what should be static."""
+    """Names that no other file uses, nor a test or an example: a descriptor that is in no list, or what should be static."""
     defines, uses = names_of(sources, build)
-    more = [path for folder in ("tests", "validation", "examples") for path in glob.glob(folder + "/**/*.c", recursive=True)]
+    more = [path for folder in ("tests", "validation") for path in glob.glob(folder + "/**/*.c", recursive=True)]
     used = set().union(*uses.values(), *names_of(more, build)[1].values(), {"main"})
+    for path in glob.glob("examples/*.c"):
+        with open(path, encoding="utf-8") as file:
+            used |= set(re.findall(r"\w+", file.read()))
     for name, path in defines.items():
         if name not in used:
             yield f"{path}: {name} is used by no other file"

@@ -39,8 +39,8 @@ static void test_targets(void)
 {
     install_program();
     PASSES("make -C $SOURCE --no-print-directory -n B=$BUILD DESTDIR=/d PREFIX=/p install");
-    CU_ASSERT(strstr(out, "\"/d/p\" " RP_VERSION " sweep run exp analytic dem statics angle stress stats core") !=
-              NULL);
+    CU_ASSERT(strstr(out, "\"/d/p\" " RP_VERSION
+                          " sweep run exp analytic dem statics angle stress stats core") != NULL);
     if (!getenv("RP_INSTALLED")) {
         /* what a person put among the files stays, a folder that is a link too; an odd name is one folder */
         PASSES(

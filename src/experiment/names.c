@@ -91,7 +91,8 @@ static bool is_later(const exp_plan *plan, const exp_measure *m, size_t k)
     return !m->left_out && m->phase > here && !within;
 }
 
-const exp_measure *exp_measure_of(const exp_plan *plan, const char *name, size_t *output)
+/* The measure with an output of this name; NULL: there is none. */
+static const exp_measure *measure_of(const exp_plan *plan, const char *name, size_t *output)
 {
     for (const exp_measure *m = plan->measures; m < plan->measures + plan->n_measures; m++)
         for (*output = m->output; *output < m->output + m->n_outputs; ++*output)
@@ -103,7 +104,7 @@ static rp_status find_measure(const exp_place *place, const char *name, rp_x_sym
 {
     exp_plan *plan = place->plan;
     size_t output;
-    const exp_measure *m = exp_measure_of(plan, name, &output);
+    const exp_measure *m = measure_of(plan, name, &output);
     if (!m) return RP_OK;
     const bool during = is_known_during(m) && m->phase == place->phase;
     if (place->phase != SIZE_MAX && m->phase >= place->phase && !during)
@@ -129,7 +130,7 @@ static rp_status check_alone(const exp_place *place, const char *what, const cha
 {
     const exp_plan *plan = place->plan;
     size_t output;
-    const exp_measure *m = exp_measure_of(plan, name, &output);
+    const exp_measure *m = measure_of(plan, name, &output);
     const size_t k = m ? (size_t)(m - plan->measures) : SIZE_MAX;
     const bool earlier = m && (place->phase == SIZE_MAX ? k < place->measure : m->phase < place->phase);
     return earlier ? rp_fail(RP_BAD_INPUT, "%s is %s and an earlier measure; give the measure another name",

@@ -173,9 +173,6 @@ struct exp_plan {
 const exp_scope *exp_scope_named(const exp_plan *plan, unsigned sorts, const char *name, size_t length,
                                  rp_guess *guess);
 
-/* The measure with an output of this name; NULL: there is none. */
-const exp_measure *exp_measure_of(const exp_plan *plan, const char *name, size_t *output);
-
 /* Where an expression stands: what it may name. */
 typedef struct {
     exp_plan *plan;

@@ -8,7 +8,6 @@
 #include "experiment/experiment.h"
 
 enum { RUN_STATES, RUN_ENERGY, RUN_CONTACTS, RUN_WALLS, RUN_TABLES };
-extern const char *const run_tables[RUN_TABLES]; /* names of their files */
 
 /* What a run leaves and whom it tells; zero: nothing, nobody. */
 typedef struct {

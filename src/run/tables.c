@@ -11,7 +11,7 @@
 #include "core/file.h"
 #include "table/table.h"
 
-const char *const run_tables[RUN_TABLES] = {"states.tsv", "energy.tsv", "contacts.tsv", "walls.tsv"};
+static const char *const files[RUN_TABLES] = {"states.tsv", "energy.tsv", "contacts.tsv", "walls.tsv"};
 
 static rp_status failed(const char *path)
 {
@@ -34,7 +34,7 @@ rp_status run_open_tables(run_driver *d, bool there)
     for (int k = 0; k < RUN_TABLES; k++) {
         const char *path;
         if (!grows(d, k)) continue;
-        RP_TRY(rp_path(&d->memory, &path, "%s/%s", d->to.folder, run_tables[k]));
+        RP_TRY(rp_path(&d->memory, &path, "%s/%s", d->to.folder, files[k]));
         const int file = open(path, flags, 0666);
         if (file < 0 || !(d->table[k] = fdopen(file, "r+"))) return failed(path);
     }
@@ -69,8 +69,8 @@ rp_status run_sync(const run_driver *d)
 {
     for (int k = 0; k < RUN_TABLES; k++) {
         if (!d->table[k]) continue;
-        RP_TRY(rp_file_finish(d->table[k], run_tables[k]));
-        if (grows(d, k) && fsync(fileno(d->table[k])) != 0) return failed(run_tables[k]);
+        RP_TRY(rp_file_finish(d->table[k], files[k]));
+        if (grows(d, k) && fsync(fileno(d->table[k])) != 0) return failed(files[k]);
     }
     return RP_OK;
 }
@@ -83,9 +83,8 @@ rp_status run_keep_tables(run_driver *d, rp_snapshot *s)
         RP_KEEP(s, length);
         if (!s->reading || s->status || !table) continue;
         if (lseek(fileno(table), 0, SEEK_END) < length)
-            return rp_fail(RP_BAD_INPUT, "%s: shorter than at the snapshot", run_tables[k]);
-        if (ftruncate(fileno(table), length) != 0 || fseek(table, 0, SEEK_END) != 0)
-            return failed(run_tables[k]);
+            return rp_fail(RP_BAD_INPUT, "%s: shorter than at the snapshot", files[k]);
+        if (ftruncate(fileno(table), length) != 0 || fseek(table, 0, SEEK_END) != 0) return failed(files[k]);
     }
     return s->status;
 }
