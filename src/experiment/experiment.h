@@ -17,6 +17,7 @@ typedef struct exp_run exp_run;
 /* What came of a run: "ok", the text's own word, or why there is no result. */
 typedef struct {
     char status[24], message[232];
+    bool of_measure; /* of one without a value, not of the run itself */
 } exp_end;
 
 /* The language, for people: keys of phases and measures, what expressions may ask for. Ended by a NULL name.

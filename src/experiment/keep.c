@@ -99,10 +99,10 @@ static void keep_place(rp_snapshot *s, exp_run *run)
     RP_KEEP(s, run->at);
     rp_keep_check(s,
                   rp_keep_bool(&run->at.started) && rp_keep_bool(&run->at.done) &&
-                      rp_keep_bool(&run->at.missed) && rp_keep_bool(&run->at.now.touched) &&
-                      run->at.phase <= p->n_phases && (run->at.done || run->at.phase < p->n_phases) &&
-                      run->at.phase_step >= 0 && has_laws(p, &run->at.now) &&
-                      memchr(run->at.end.status, 0, sizeof run->at.end.status) &&
+                      rp_keep_bool(&run->at.missed) && rp_keep_bool(&run->at.end.of_measure) &&
+                      rp_keep_bool(&run->at.now.touched) && run->at.phase <= p->n_phases &&
+                      (run->at.done || run->at.phase < p->n_phases) && run->at.phase_step >= 0 &&
+                      has_laws(p, &run->at.now) && memchr(run->at.end.status, 0, sizeof run->at.end.status) &&
                       memchr(run->at.end.message, 0, sizeof run->at.end.message),
                   "a place that no run is at");
     for (size_t k = 0; k < p->n_phases; k++) {

@@ -11,6 +11,7 @@ void exp_conclude(exp_run *run, const char *status, const char *format, ...)
     const bool first = !run->at.done && !run->at.missed;
     *(run->measuring ? &run->at.missed : &run->at.done) = true;
     if (!first) return;
+    run->at.end.of_measure = run->measuring;
     va_start(args, format);
     snprintf(run->at.end.status, sizeof run->at.end.status, "%s", status);
     vsnprintf(run->at.end.message, sizeof run->at.end.message, format, args);

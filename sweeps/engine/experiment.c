@@ -142,6 +142,7 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long s
     memcpy(result->values, exp_values(r.driver.run), n * sizeof *result->values);
     snprintf(result->status, sizeof result->status, "%s", end->status);
     snprintf(result->message, sizeof result->message, "%s", end->message);
+    result->of_measures = end->of_measure;
     return RP_OK;
 }
 

@@ -34,6 +34,7 @@ static inline const char *sweep_output_stored(const sweep_output *o)
 typedef struct {
     char status[24];
     char message[232]; /* empty, or why there is no result */
+    bool of_measures;  /* the status is that of a measure without a value, not of the run itself */
     double values[SWEEP_MAX_OUTPUTS];
 } sweep_result;
 

@@ -3,13 +3,11 @@
  *   runs   key, status, message, seconds, parameters (JSON: those that the file gives), results (JSON: an
  *          output without a value is null; the name of a measure has the hash of its text), program; a row
  *          a finished run
- * A row that lacks an output, of a measure that is new in the text, is run again and keeps what it has; one
- that
- * is no result ended so with all of its measures, and holds for these together: results then have "of HASH".
- Which
- * runs there are follows from the sweep's file, and the store is asked for them by key. Rows are committed in
- * groups of a quarter of a second, each synced to the disk. An open store is the parent's alone: no worker
- * touches it. Its rollback journal works on file systems of several machines too. */
+ * A row that lacks an output, of a measure that is new in the text, is run again and keeps what it has. Where
+ * a measure without a value gives the status, the row holds for all its measures together. Which runs there
+ * are follows from the sweep's file, and the store is asked for them by key. Rows are committed in groups of
+ * a quarter of a second, each synced to the disk. An open store is the parent's alone: no worker touches it.
+ * Its rollback journal works on file systems of several machines too. */
 #include "sweeps/engine/private.h"
 
 #include <inttypes.h>
@@ -26,19 +24,20 @@
 enum { FORMAT = 5, PATIENCE_MS = 60000 };
 static const double GROUP_SECONDS = 0.25;
 #define COLUMNS "key, status, message, seconds, parameters, results, program"
-/* Results of this, for a run that is none. */
-#define OF "\"of %016" PRIx64 "\":null"
-/* Of a row that is there and another under its key: both are results; the other has something new, or is a
- * result where this is none, or none where this is. */
-#define BOTH_GOOD "status LIKE 'ok%%' AND excluded.status LIKE 'ok%%'"
+/* In results whose status is of all these measures together, of which there is the hash. */
+#define WITH "\"* %016" PRIx64 "\":null"
+/* Of a row that is there and another under its key: the status of both is of the run itself; the other has
+ * something new, or its status is of the run where this one's is of measures, or the other way round. */
+#define TOGETHER(results) "(" results " LIKE '%%\"* %%')"
+#define BOTH_ALONE        "NOT (" TOGETHER("results") " OR " TOGETHER("excluded.results") ")"
 #define NEW                                                                                                  \
-    "excluded.status NOT IN " RP_MACHINE_STATUS                                                              \
-    " AND ((status LIKE 'ok%%') <> (excluded.status LIKE 'ok%%') OR EXISTS (SELECT key FROM"                 \
-    " json_each(excluded.results) EXCEPT SELECT key FROM json_each(results)))"
+    "excluded.status NOT IN " RP_MACHINE_STATUS " AND (" TOGETHER("results") " <> " TOGETHER(                \
+        "excluded.results") " OR EXISTS (SELECT key FROM json_each(excluded.results) EXCEPT SELECT key "     \
+                            "FROM json_each(results)))"
 /* Of a row that is there, what the other has of results besides. */
 #define UNITES                                                                                               \
     " ON CONFLICT (key) DO UPDATE SET results = unite(results, excluded.results) WHERE " NEW " AND"          \
-    " " BOTH_GOOD
+    " " BOTH_ALONE
 
 static rp_status failed(const sweep_store *s)
 {
@@ -170,18 +169,19 @@ static char *results_text(const sweep_output outputs[], const sweep_result *resu
         sqlite3_str_appendf(text, isinf(v) ? "%s\"%s\":\"%s\"" : "%s\"%s\":%s", i > 0 ? "," : "{",
                             sweep_output_stored(&outputs[i]), isnan(v) ? "null" : number);
     }
-    if (!rp_is_result(result->status))
-        sqlite3_str_appendf(text, "%s" OF, sqlite3_str_length(text) ? "," : "{", sweep_outputs_hash(outputs));
+    if (result->of_measures)
+        sqlite3_str_appendf(text, "%s" WITH, sqlite3_str_length(text) ? "," : "{",
+                            sweep_outputs_hash(outputs));
     sqlite3_str_appendall(text, sqlite3_str_length(text) ? "}" : "{}");
     return sqlite3_str_finish(text);
 }
 
-static bool has_all(const char *status, const char *text, const sweep_output outputs[])
+static bool has_all(const char *text, const sweep_output outputs[])
 {
     char name[320];
-    bool all = status && text;
-    snprintf(name, sizeof name, OF, sweep_outputs_hash(outputs));
-    if (all && !rp_is_result(status)) return strstr(text, name) != NULL;
+    bool all = text != NULL;
+    snprintf(name, sizeof name, WITH, sweep_outputs_hash(outputs));
+    if (all && strstr(text, "\"* ")) return strstr(text, name) != NULL;
     for (size_t i = 0; all && outputs[i].name; i++) {
         snprintf(name, sizeof name, "\"%s\":", sweep_output_stored(&outputs[i]));
         all = strstr(text, name) != NULL;
@@ -209,7 +209,7 @@ rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep
     static const char sql[] =
         "INSERT INTO main.runs (" COLUMNS ") VALUES (?, ?, ?, ?, ?, ?, ?) ON CONFLICT (key) DO UPDATE SET"
         " status = excluded.status, message = excluded.message, seconds = excluded.seconds,"
-        " results = iif(" BOTH_GOOD ", unite(excluded.results, results), excluded.results),"
+        " results = iif(" BOTH_ALONE ", unite(excluded.results, results), excluded.results),"
         " program = excluded.program WHERE " NEW;
     char key[33], parameters[8192], program[256];
     if (!s->insert && sqlite3_prepare_v2(s->db, sql, -1, &s->insert, NULL) != SQLITE_OK) return failed(s);
@@ -284,8 +284,7 @@ rp_status sweep_store_visit(sweep_store *s, const sweep_plan *plan, bool values,
         sqlite3_bind_text(s->find, 1, key, -1, SQLITE_STATIC);
         const int rc = sqlite3_step(s->find);
         const bool whole = rc == SQLITE_ROW &&
-                           has_all((const char *)sqlite3_column_text(s->find, 0),
-                                   (const char *)sqlite3_column_text(s->find, 2), plan->protocol->outputs);
+                           has_all((const char *)sqlite3_column_text(s->find, 2), plan->protocol->outputs);
         if (whole) status = read_row(s, plan, r, values, &row);
         if (whole && !status) status = visit(&row, context);
         if (rc != SQLITE_ROW && rc != SQLITE_DONE) status = failed(s);
