@@ -172,6 +172,10 @@ static void test_examples(void)
     PASSES(
         "./profile >profile.tsv && $PREFIX/bin/repose continuum --alpha-deg 30 --points 11 >continuum.tsv");
     check_same("profile.tsv", "continuum.tsv", 3, (const char *const[]){"x/B", "N/(chi*g*B)", "H/(chi*g*B)"});
+    write_text("box.cfg",
+               "fill = { N = 30; W = 2.0; H = 3.0; };\nsteps = 20000;\nwalls = ( { point = (0.0, 0.0); "
+               "direction = (0.0, 1.0); },\n  { point = (0.0, 0.0); direction = (1.0, 0.0); }, { point = "
+               "(2.0, 0.0); direction = (-1.0, 0.0); } );\n");
     PASSES("./run box.cfg >run.tsv && $PREFIX/bin/repose run box.cfg >states.tsv");
     check_same("run.tsv", "states.tsv", 3, (const char *const[]){"x", "y", "r"});
     PASSES("./slope run.tsv 2 >slope.tsv && $PREFIX/bin/repose angle slope run.tsv --width 2 --cell 0.2 "

@@ -188,10 +188,9 @@ static inline bool dem_wall_is_line(const dem_wall *wall)
 dem_definition dem_definition_default(void);
 
 /* The parameters of the list in parameters.h: at their defaults; put into a definition, "auto" resolved, all
- * but what a restitution leaves to dem_create; taken from one that makes grains of this density. */
+ * but what a restitution leaves to dem_create. */
 dem_physics dem_physics_default(rp_units units);
 void dem_physics_apply(const dem_physics *p, dem_definition *def);
-dem_physics dem_physics_of(const dem_definition *def, double density);
 
 /* The coefficients of a wall: those given; for negative ones the grains' times the factor of the list, or
  * where these are "auto" too what follows from the wall's own. */

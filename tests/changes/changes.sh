@@ -17,7 +17,7 @@ if [ "$1" = --table ]; then
     echo '| change | files | and for tests | lines |'
     echo '|---|---|---|---|'
     for name in $(names); do
-        echo "| [$(head_of "$name" change)](tests/changes/$name.patch) | $(list "$(files_of "$name" | grep -v '^tests/')") |" \
+        echo "| $(head_of "$name" change): \`$name\` | $(list "$(files_of "$name" | grep -v '^tests/')") |" \
             "$(list "$(files_of "$name" | grep '^tests/')") | $(lines_of "$name") |" | sed 's/  */ /g'
     done
     exit

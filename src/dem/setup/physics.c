@@ -43,22 +43,6 @@ void dem_physics_apply(const dem_physics *p, dem_definition *def)
     complete(def, m);
 }
 
-dem_physics dem_physics_of(const dem_definition *def, double density)
-{
-    dem_physics p = {.density = density};
-    const dem_material *m = &def->material;
-#define TAKEN(kind, type, name, ...)                                                                         \
-    DEM_IF_SCENE(kind, p.name = def->name;) DEM_IF_MATERIAL(kind, p.name = m->name;)
-    DEM_PHYSICS(TAKEN)
-    if (p.restitution == 0.0) p.restitution = -1.0;
-    /* what follows from a wall's restitution is automatic of the grains too */
-    for (size_t w = 0; w < def->n_walls; w++) {
-        if (dem_walls_of(def)[w].material.gamma_s < 0.0) p.gamma_s = -1.0;
-        if (dem_walls_of(def)[w].material.gamma_roll < 0.0) p.gamma_roll = -1.0;
-    }
-    return p;
-}
-
 static bool is_word(const char *words, int index)
 {
     return *rp_word_at(words, index, (char[64]){0}, 64);
