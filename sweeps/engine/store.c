@@ -227,7 +227,7 @@ rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep
     sqlite3_bind_text(s->insert, 6, results_text(plan->protocol->outputs, &row->result), -1, sqlite3_free);
     sqlite3_bind_text(s->insert, 7, program, -1, SQLITE_STATIC);
     const bool stored = sqlite3_step(s->insert) == SQLITE_DONE &&
-                        (sqlite3_changes(s->db) == 1 || strstr(RP_MACHINE_STATUS, row->result.status));
+                        (sqlite3_changes(s->db) == 1 || sweep_is_aborted(row->result.status));
     sqlite3_reset(s->insert);
     return stored ? sweep_store_tick(s)
                   : rp_fail(RP_IO, "%s: cannot store run %zu: %s; the rows stored before are kept", s->path,
