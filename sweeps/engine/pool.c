@@ -456,13 +456,6 @@ rp_status sweep_pool_run(const sweep_folder *folder, size_t todo[], size_t n, co
     return status;
 }
 
-bool sweep_is_aborted(const char *status)
-{
-    char quoted[32];
-    snprintf(quoted, sizeof quoted, "'%s'", status);
-    return strstr(RP_MACHINE_STATUS, quoted) != NULL;
-}
-
 size_t sweep_count_aborted(const sweep_counts *counts)
 {
     size_t n = 0;

@@ -15,6 +15,13 @@ void sweep_result_clear(sweep_result *result)
     for (int i = 0; i < SWEEP_MAX_OUTPUTS; i++) result->values[i] = NAN;
 }
 
+bool sweep_is_aborted(const char *status)
+{
+    char quoted[32];
+    snprintf(quoted, sizeof quoted, "'%s'", status);
+    return strstr(RP_MACHINE_STATUS, quoted) != NULL;
+}
+
 rp_status sweep_conclude(sweep_result *result, const char *status, const char *format, ...)
 {
     va_list args;

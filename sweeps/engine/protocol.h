@@ -85,6 +85,7 @@ size_t sweep_count_outputs(const sweep_protocol *protocol);
 
 /* No status word, no message, every value NaN. */
 void sweep_result_clear(sweep_result *result);
+bool sweep_is_aborted(const char *status); /* of a result: by the machine, or a limit */
 
 /* Give a result its status word and, unless NULL, its message. RP_NO_RESULT if it is that of a failure. */
 rp_status sweep_conclude(sweep_result *result, const char *status, const char *format, ...)

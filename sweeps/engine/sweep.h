@@ -43,7 +43,6 @@ typedef struct {
 /* "no_pile 6, overlap 2": the words for which `wanted`. Returns `text`. */
 const char *sweep_words(const rp_tally *words, bool (*wanted)(const char *status), char text[1024]);
 bool sweep_is_failed(const char *status);
-bool sweep_is_aborted(const char *status); /* by the machine, or a limit */
 
 /* Told how far something long is. */
 typedef void sweep_watch(const char *what, size_t done, size_t of);
