@@ -43,15 +43,16 @@ static rp_status number_of(const rp_table *t, size_t row, const char *name, doub
     return *text_of(t, row, name) ? rp_table_number(t, row, rp_table_column(t, name), false, number) : RP_OK;
 }
 
-/* The printed +- is a standard error or, of so many samples, a standard deviation. */
+/* The printed +- is a standard error or, of so many samples, a standard deviation, which a variant may take
+ * from our values instead. */
 static rp_status read_numbers(const rp_table *t, size_t row, report_claim *c)
 {
     RP_TRY(number_of(t, row, "published", NAN, &c->number.value));
     RP_TRY(number_of(t, row, "published_se", 0.0, &c->number.se));
     RP_TRY(number_of(t, row, "samples", 0.0, &c->samples));
     const bool deviation = strcmp(c->error, "sd") == 0;
-    if (deviation ? !(c->samples > 0.0) : *c->error && strcmp(c->error, "se") != 0)
-        return rp_fail(RP_BAD_INPUT, "claim %s: error: se, or sd of so many samples, expected", c->id);
+    if (deviation ? !(c->samples > 0.0) : *c->error && strcmp(c->error, "se") && strcmp(c->error, "ours"))
+        return rp_fail(RP_BAD_INPUT, "claim %s: error: se, sd of so many samples, or ours expected", c->id);
     if (deviation) c->number.se /= sqrt(c->samples);
     return number_of(t, row, "margin", INFINITY, &c->margin);
 }
@@ -95,6 +96,7 @@ static rp_status read_claim(rp_arena *arena, const report_claims *all, size_t ro
     X(error)
     X(fixed)
     X(says)
+    X(unit)
 #undef X
     while (c->kind < N_CLAIM_TESTS && strcmp(c->test, tests[c->kind].word) != 0) c->kind++;
     if (c->kind == N_CLAIM_TESTS)
@@ -214,6 +216,14 @@ static report_chances chances_of(const report_claim *c, const report_judged *j)
     }
 }
 
+/* The published number, with its error or that of as many of our values. */
+static stats_number published_of(const report_claim *c, const report_judged *j)
+{
+    stats_number published = c->number;
+    if (strcmp(c->error, "ours") == 0) published.se = j->ours.shown.se * sqrt(j->ours.n / c->samples);
+    return published;
+}
+
 /* The verdict of a claim's test; `raised`: chances that Holm's correction has raised, NULL: none. */
 static report_verdict decide(const report_claim *c, const report_chances *raised, report_judged *j)
 {
@@ -222,7 +232,7 @@ static report_verdict decide(const report_claim *c, const report_chances *raised
     const report_chances own = chances_of(c, j);
     report_verdict verdict;
     switch (c->kind) {
-    case CLAIM_AGREES: return report_agree(ours, c->number, c->margin, raised, &j->z);
+    case CLAIM_AGREES: return report_agree(ours, published_of(c, j), c->margin, raised, &j->z);
     case CLAIM_ABOVE:
     case CLAIM_BELOW: return report_exceed(ours, against, sign, raised ? raised : &own);
     case CLAIM_LEAST:
@@ -284,6 +294,9 @@ static const char *note_of(rp_arena *arena, const report_claim *c, const report_
         return rp_text(arena, "%s without the correction for %zu tests of one question",
                        report_verdict_text(j->uncorrected, own), j->tests);
     if (!isnan(j->z)) return rp_text(arena, "%+.1f se", j->z);
+    if (j->verdict == REPORT_OPEN && isfinite(c->margin) && chances_of(c, j).effect < report_agree_p(2.0) &&
+        c->kind != CLAIM_INDEPENDENT && c->kind != CLAIM_SAME)
+        return rp_text(arena, "a difference, but within the margin of %g", c->margin);
     if (tests[c->kind].by == BY_SIDE && j->verdict == REPORT_NOT_REPRODUCED && !is_opposite(c, j))
         return rp_text(arena, "a difference of %g or more is excluded", c->margin);
     return c->kind == CLAIM_FORMULA ? "by tests" : "";
@@ -356,6 +369,11 @@ rp_status report_judge(const report_claims *all, report_tables *tables, report_j
     return RP_OK;
 }
 
+bool report_after_a_look(const report_claim *c)
+{
+    return *c->fixed && strcmp(c->fixed, "before") != 0;
+}
+
 bool report_on_page(const report_claim *c)
 {
     return !*c->of && strcmp(c->on, "full") != 0;
@@ -367,8 +385,7 @@ const char *report_count(rp_arena *arena, const report_claims *claims, const rep
     size_t counts[REPORT_VERDICTS] = {0}, n = 0;
     const char *text = "";
     for (size_t i = 0; i < claims->n; i++)
-        if (report_on_page(&claims->claims[i]) && claims->claims[i].kind != CLAIM_JOINT &&
-            strcmp(claims->claims[i].paper, paper) == 0)
+        if (!*claims->claims[i].of && strcmp(claims->claims[i].paper, paper) == 0)
             counts[judged[i].verdict]++, n++;
     for (report_verdict v = 0; v < REPORT_NO_DATA && n > 0; v++)
         text = rp_text(arena, "%s%s%zu %s", text, v ? ", " : "", counts[v],

@@ -44,11 +44,12 @@ typedef struct {
     REPORT_CLAIM_TEXTS(X)
 #undef X
     report_test kind;
-    const char *family;                   /* of claims that answer one question */
-    const char *on;                       /* "page"; "full": not on it; of a variant "decides": see below */
-    const char *error;                    /* what the printed +- is: "se" (or ""), "sd" */
-    const char *fixed, *says;             /* when the test was fixed; the paper's word for a number */
-    stats_number number;                  /* published, with its standard error; NaN: none */
+    const char *family; /* of claims that answer one question */
+    const char *on;     /* "page"; "full": not on it; of a variant "decides": see below */
+    const char *error;  /* what the printed +- is: "se" (or ""), "sd", or "ours": see agrees */
+    const char *fixed, *says,
+        *unit;           /* when the test was fixed; the paper's word for a number; "" for degrees */
+    stats_number number; /* published, with its standard error; NaN: none */
     report_reference *answers, *againsts; /* cells of both sides; NULL: none, or for `against` a number, */
     double limit;                         /* this */
     double samples, margin;               /* 0: not said; INFINITY: none */
@@ -92,11 +93,13 @@ typedef struct {
 /* Every claim. Errors: RP_BAD_INPUT (a table without the cells that it names), those of rp_table_read. */
 rp_status report_judge(const report_claims *claims, report_tables *tables, report_judged **judged);
 
+/* Was its test fixed after a look at some of the runs? */
+bool report_after_a_look(const report_claim *claim);
+
 /* Is a claim a row of the page: no variant, and not in the full table alone? */
 bool report_on_page(const report_claim *claim);
 
-/* "12 reproduced, 5 not reproduced, ..." of a paper's rows on the page, but those of others together; "" for
- * none. */
+/* "12 reproduced, 5 not reproduced, ..." of all that a paper says, without variants; "" for none. */
 const char *report_count(rp_arena *arena, const report_claims *claims, const report_judged judged[],
                          const char *paper);
 

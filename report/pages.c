@@ -106,7 +106,7 @@ static rp_status judge(page *p)
     return p->judged ? RP_OK : report_judge(&p->claims, &p->tables, &p->judged);
 }
 
-/* What `word` asks of a claim: published, ours, number, verdict. */
+/* What `word` asks of a claim: published, ours, difference, number, verdict. */
 static rp_status fill_claim(page *p, const char *id, char word)
 {
     const report_claim *claim = NULL;
@@ -114,6 +114,10 @@ static rp_status fill_claim(page *p, const char *id, char word)
     if (word == 'p') return fputs(report_published(p->tables.arena, claim), p->out), RP_OK;
     RP_TRY(judge(p));
     const report_judged *j = &p->judged[claim - p->claims.claims];
+    if (word == 'd' && j->verdict != REPORT_NO_DATA) {
+        const stats_number d = report_difference(j->ours.shown, j->against.shown);
+        return fputs(report_number_text(p->tables.arena, d), p->out), RP_OK;
+    }
     if (word == 'n' && isfinite(j->ours.n)) return fprintf(p->out, "%.0f", j->ours.n), RP_OK;
     fputs(word == 'v' ? j->word : word == 'o' && *j->text ? j->text : no_data, p->out);
     return RP_OK;
@@ -126,26 +130,28 @@ static void print_in_full(page *p, const report_claim *c, const report_judged *j
     const int count = (int)strcspn(j->failed, "(");
     fprintf(p->out, "%s%s | %s | %s", *c->of ? "variant " : "", c->id, c->statement, published);
     if (c->samples > 0.0 && *published) fprintf(p->out, " (%.0f)", c->samples);
-    fprintf(p->out, " | %s | ", j->text);
+    fprintf(p->out, " | %s%s%s | ", j->text, *c->unit ? " " : "", c->unit);
     if (isfinite(j->ours.n)) fprintf(p->out, "%.0f", j->ours.n);
     fprintf(p->out, " | %s | ", j->word);
     const char *begin = "";
-    const bool after = *c->fixed && strcmp(c->fixed, "before") != 0;
-    const char *const notes[] = {c->note, j->note, after ? c->fixed : ""};
+    const char *const notes[] = {c->note, j->note, report_after_a_look(c) ? c->fixed : ""};
     for (size_t k = 0; k < N_OF(notes); k++)
         if (*notes[k]) fprintf(p->out, "%s%s", begin, notes[k]), begin = "; ";
     if (*j->failed) fprintf(p->out, "%s%.*sfailed %s", begin, count, j->failed, j->failed + count);
     fputs(" |", p->out);
 }
 
-/* The line that is read first: what is claimed, both sides, the verdict. */
+/* The line that is read first: what is claimed and how it is compared, both sides, the margin, the verdict.
+ */
 static void print_in_short(page *p, const report_claim *c, const report_judged *j)
 {
     const char *interval = strstr(j->text, REPORT_INTERVAL);
-    fprintf(p->out, "%s | ", c->statement);
+    fprintf(p->out, "%s%s%s | ", c->statement, *c->note ? "; " : "", c->note);
     if (strcmp(c->paper, "ours") != 0) fprintf(p->out, "%s | ", report_published(p->tables.arena, c));
-    fprintf(p->out, "%.*s | %s |", (int)(interval ? (size_t)(interval - j->text) : strlen(j->text)), j->text,
-            j->word);
+    fprintf(p->out, "%.*s%s%s | ", (int)(interval ? (size_t)(interval - j->text) : strlen(j->text)), j->text,
+            *c->unit ? " " : "", c->unit);
+    if (isfinite(c->margin)) fprintf(p->out, "%g", c->margin);
+    fprintf(p->out, " | %s%s |", j->word, report_after_a_look(c) ? " †" : "");
 }
 
 /* The claims of a paper in full; or those of a section that the page has, in short. */
@@ -156,8 +162,9 @@ static rp_status fill_section(page *p, const char *word, const char *section)
     RP_TRY(judge(p));
     fputs(in_full ? "| claim | what it says | paper (samples) | here | values | verdict | note |\n"
                     "|---|---|---|---|---|---|---|"
-          : strcmp(section, "ours") == 0 ? "| we say | here | verdict |\n|---|---|---|"
-                                         : "| the paper says | paper | here | verdict |\n|---|---|---|---|",
+          : strcmp(section, "ours") == 0
+              ? "| we say | here | margin | verdict |\n|---|---|---|---|"
+              : "| the paper says | paper | here | margin | verdict |\n|---|---|---|---|---|",
           p->out);
     for (size_t i = 0; i < p->claims.n; i++) {
         const report_claim *c = &p->claims.claims[i];
@@ -206,7 +213,7 @@ static rp_status fill_place(page *p, char *text)
                         : rp_fail(RP_BAD_INPUT, "{{note ...}}: table and key expected");
     if (strcmp(word, "rows") == 0) return fill_rows(p, rest);
     if (strcmp(word, "published") == 0 || strcmp(word, "ours") == 0 || strcmp(word, "number") == 0 ||
-        strcmp(word, "verdict") == 0)
+        strcmp(word, "verdict") == 0 || strcmp(word, "difference") == 0)
         return fill_claim(p, first, *word);
     if (strcmp(word, "claims") == 0 || strcmp(word, "scores") == 0) return fill_section(p, word, first);
     if (strcmp(word, "counts") == 0) {
@@ -290,6 +297,7 @@ const cli_command report_page = {
     "                               key=FROM:TO for a range\n"
     "  {{published ID}}             the number that the paper gives\n"
     "  {{ours ID}}                  our number, as a claim compares it\n"
+    "  {{difference ID}}            that number less what it is compared with\n"
     "  {{number ID}}                how many values it is the mean of\n"
     "  {{verdict ID}}               verdict on a claim\n"
     "  {{scores SECTION}}           the claims of a section on the page in short: paper, here, verdict\n"

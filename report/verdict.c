@@ -58,9 +58,10 @@ report_verdict report_exceed(stats_number a, stats_number b, int sign, const rep
     const double difference = sign * (a.value - b.value);
     const bool exact = hypot(a.se, b.se) == 0.0 && !isnan(difference);
     if (isinf(difference)) return REPORT_OPEN;
+    const bool small = !exact && p->margin < level;
     if (exact || p->effect < report_agree_p(errors_that_decide))
-        return difference > 0.0 ? REPORT_REPRODUCED : REPORT_NOT_REPRODUCED;
-    return p->margin < level ? REPORT_NOT_REPRODUCED : REPORT_OPEN;
+        return difference <= 0.0 ? REPORT_NOT_REPRODUCED : small ? REPORT_OPEN : REPORT_REPRODUCED;
+    return small ? REPORT_NOT_REPRODUCED : REPORT_OPEN;
 }
 
 report_verdict report_bound(double value, double limit, int sign)
@@ -86,11 +87,12 @@ report_verdict report_trends(const report_change *change, int sign, double margi
                              const report_chances *raised)
 {
     const double middle = 0.5 * (change->lo90 + change->hi90);
-    const bool none = within(change, margin) && !(change->p_value < level); /* also before a correction */
+    const bool small = within(change, margin);
     if (!isfinite(middle)) return REPORT_OPEN;
     if ((raised ? raised->effect : change->p_value) < level)
-        return sign * middle > 0.0 ? REPORT_REPRODUCED : REPORT_NOT_REPRODUCED;
-    return none ? REPORT_NOT_REPRODUCED : REPORT_OPEN;
+        return sign * middle < 0.0 ? REPORT_NOT_REPRODUCED : small ? REPORT_OPEN : REPORT_REPRODUCED;
+    return small && !(change->p_value < level) ? REPORT_NOT_REPRODUCED
+                                               : REPORT_OPEN; /* nor before a correction */
 }
 
 report_together report_joint(size_t n, const stats_number differences[])
