@@ -16,9 +16,9 @@ W = real(note('lh1/points.tsv', 'W'))
 slope = 0
 set arrow 1 from W, -0.3 to W, y_end nohead ls guide front
 if (state eq 'pile') {
-    # the measured slope, through the surface in the middle of the box
+    # the measured slope, through the mean height of the surface in cells one diameter wide
     slope = most('lh1/row_0.tsv', 'theta_r3_deg')
-    middle = real(system(rows_do('lh1/row_0/pile_grains.tsv', '', '($c["x"] - '.sprintf('%g', W/2).')^2 < 0.25 && $c["y"] + $c["r"] > m { m = $c["y"] + $c["r"] } END { print m + 0 }')))
+    middle = real(system(rows_do('lh1/row_0/pile_grains.tsv', '', '$c["x"] > 0 && $c["x"] < '.sprintf('%g', W).' { k = int($c["x"]/0.2); h = $c["y"] + $c["r"]; if (h > m[k]) m[k] = h } END { for (k in m) { cells++; sum += m[k] } print sum/cells }')))
     rise = W/2*tan(slope*pi/180)
     set arrow 2 from 0, middle + rise to W, middle - rise nohead ls theory front
 }

@@ -1,7 +1,7 @@
 # Lee & Herrmann 1993, figure 2(a): angle of repose against the height of the box.
 # sweeps: lh2a
 heading = 'Angle of repose against height of the box'
-remark = sprintf('bars: standard error over %d piles at most; changes: of a straight line over the whole range of {/:Italic H}', most('lh2a/points.tsv', 'n'))
+remark = sprintf('bars: standard error over %d piles at most, in (a) smaller than the marks; changes: of a straight line over the whole range of {/:Italic H}', most('lh2a/points.tsv', 'n'))
 panels = 2
 shared = 3
 sample = 0

@@ -1,7 +1,7 @@
 # Lee & Herrmann 1993, figure 2(b): angle of repose against the width of the box at H/W = 2, with theta_inf + c/W.
 # sweeps: lh2b
 heading = 'Angle of repose against the width of the box'
-remark = sprintf('filled: method 3, open: method 2; bars: standard error over %d piles; lines: {/:Italic θ}_∞ + {/:Italic c/W}, method 3', most('lh2b/points.tsv', 'n'))
+remark = sprintf('filled: method 3, open: method 2; bars: standard error over %d piles, in (a) smaller than the marks; lines: {/:Italic θ}_∞ + {/:Italic c/W}, method 3', most('lh2b/points.tsv', 'n'))
 panels = 2
 shared = 3
 sample = 0

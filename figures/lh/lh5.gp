@@ -1,6 +1,6 @@
 # Lee & Herrmann 1993, figure 5: angle of the pile just before a grain is added. Row 0 of the sweep is the first pile of the
 # paper's v_cut; beside it all piles of three v_cut, and boxes that are opened on the same floor.
-# sweeps: lh5 lh_floor
+# sweeps: lh5 lh_floor lh_floor_tilt
 heading = 'Angle of a pile that grows grain by grain'
 remark = 'vertical line: end of the transient; (b) mean of each pile after it, bars: standard deviation; at the right the slope of each opened box'
 panels = 2
@@ -9,7 +9,10 @@ load 'figures/style.gp'
 level = most('lh5/row_0.tsv', 'level_step')
 theta = most('lh5/row_0.tsv', 'theta_deg')
 sd = most('lh5/row_0.tsv', 'theta_sd_deg')
-opened = real(pick('lh_floor/points.tsv', 'floor', 'ends', 'theta_r3_deg_mean'))
+# all boxes that were opened on the same floor, which ends
+of_floor(what) = real(pick('lh_floor/points.tsv', 'floor', 'ends', 'theta_r3_deg_'.what))
+of_tilt(what) = real(pick('lh_floor_tilt/points.tsv', 'tilt', 'box', 'theta_r3_deg_'.what))
+opened = (of_floor('mean')*of_floor('n') + of_tilt('mean')*of_tilt('n'))/(of_floor('n') + of_tilt('n'))
 from_level(x, y) = x < level ? NaN : y
 v_cut = sprintf('{/:Italic v}_{cut} = %g cm/s', most('lh5/runs.tsv', 'v_cut'))
 set ylabel '{/:Italic θ} (degrees), method 3'

@@ -2,7 +2,7 @@
 # disks with 90 in the base: diagonal contacts alone, soft disks with stiff and with soft wells.
 # sweeps: pile tent
 stiff = 'pile/tent_90_30_45_38_1e-5_1.tsv'
-soft = 'pile/tent_90_30_45_38_1e-5_3000.tsv'
+soft = 'pile/tent_90_30_45_38_1e-5_1000.tsv'
 heading = 'Forces on the base of the tent of 30° and 45°'
 panels = 4
 shared = 3
@@ -19,7 +19,7 @@ do for [k=1:2] {
     other = "t('tent/45_30_38.tsv') using (column('x/B')):(column(f)) with lines ls guide title 'continuum, 45° outside, 30° inside: no dip', "
     curves = "t('tent/30_45_38.tsv') using (column('x/B')):(column(f)) with lines ls theory title 'continuum', ".\
          "t(stiff) using (column('x/B')):(column(q.'_diagonals/mg')/B) with points ls 2 pt 2 title 'diagonal contacts alone', ".\
-         "t(soft) using (column('x/B')):(column(f)) with points ls 3 title 'soft disks, wells of 3000 εσ', ".\
+         "t(soft) using (column('x/B')):(column(f)) with points ls 3 title 'soft disks, wells of 1000 εσ', ".\
          "t(stiff) using (column('x/B')):(column(f)) with points ls ours title 'soft disks, wells of εσ'"
     if (k == 1) { of_normal = curves }
     eval 'plot '.(k == 1 ? other : '').curves

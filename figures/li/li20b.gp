@@ -9,7 +9,7 @@ piles(k) = sprintf('%s, %d piles', word(kind_names, k), dip(k, 'n'))
 heading = 'Mean pressure on the base of dropped piles'
 kinds_n = words(kinds)
 panels = kinds_n > 1 ? kinds_n : 2
-remark = (kinds_n > 1 ? '' : piles(1).'; ').(exists('made') ? made.'; ' : '').'bars: standard errors; dotted: bounds of the middle and its neighbours'
+remark = (kinds_n > 1 ? '' : piles(1).'; over the whole base the two coincide; ').(exists('made') ? made.'; ' : '').'bars: standard errors; dotted: bounds of the middle and its neighbours'
 legend = 2
 load 'figures/style.gp'
 label(k) = sprintf('mean of the piles, middle %.3f ± %.3f', dip(k, 'middle'), dip(k, 'middle_se'))
@@ -23,7 +23,7 @@ do for [k=1:kinds_n] {
     profile = t('li20_'.word(kinds, k).'profile.tsv')
     eval panel(k, kinds_n > 1 ? sprintf('(%s) %s', word('a b c d e f', k), piles(k)) : '(a) whole base')
     plot profile using (column('distance')):(column('rays')) with lines ls theory title '60-degree rays under the outlines', \
-         profile using (column('distance')):(column('N')):(column('N_se')) with yerrorlines ls ours title label(k)
+         profile using (column('distance')):(column('N')):(column('N_se')) with yerrorbars ls ours title label(k)
 }
 if (kinds_n == 1) {
     eval panel(2, '(b) the middle')

@@ -22,7 +22,7 @@ do for [row=1:3] {
     eval panel(row, word('"(a) outward {/:Italic H}" "(b) {/:Italic N} of the middle less its neighbours" "(c) scatter of {/:Italic N}"', row))
     set ylabel word('"ratio to diagonals alone" "over the mean {/:Italic N}" "rms deviation of {/:Italic N}"', row)
     if (row == 1) { set yrange [0.5:4] }
-    if (row == 2) { set yrange [-0.15:0.15] }
+    if (row == 2) { set yrange [-0.4:0.15] }
     if (row == 3) { set yrange [0:1] }
     plot for [k=1:2] disorder using (of(k) ? column('disorder')/column('eps') : NaN):(row == 1 ? 1 : row == 2 ? column('middle_diagonals_mean') : 0) smooth unique with lines ls theory + k - 1 title word('"triangle" "tent"', k).', diagonals alone', \
          for [k=1:2] for [e=1:2] disorder using (at(k, e)):(column(q.'_mean')):(column(q.'_se')) with yerrorbars ls k pt 4*k + 2 - 2*k + (e == 1) title name(k, e)
