@@ -57,14 +57,14 @@ static rp_status read_numbers(const rp_table *t, size_t row, report_claim *c)
     return number_of(t, row, "margin", INFINITY, &c->margin);
 }
 
-/* A variant takes the published number of its claim, which stands before it. */
+/* A variant without a number, another print of the same quantity, takes that of its claim, which stands
+ * before it. */
 static rp_status find_number(const report_claims *all, report_claim *c)
 {
     const report_claim *original = NULL;
     if (!*c->of) return RP_OK;
     RP_TRY(report_claims_find(all, c->of, &original));
-    if (!isnan(c->number.value))
-        return rp_fail(RP_BAD_INPUT, "variant %s of %s: a number is published once", c->id, c->of);
+    if (!isnan(c->number.value)) return RP_OK;
     c->number = original->number, c->samples = original->samples;
     c->published = original->published, c->published_se = original->published_se;
     return RP_OK;

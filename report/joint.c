@@ -8,7 +8,8 @@
     X(TEXT, id, "", "lh-five", "", "claim whose `answer` names the claims with the numbers")                 \
     X(TEXT, table, "", "lh_choices/points", "", "points of a sweep of the choices")                          \
     X(TEXT, column, "", "theta_r3_deg", "", "column that answers")                                           \
-    X(TEXT, either, "", "k_n_wall", "", "choice that some numbers have no part in: its first or last value")
+    X(TEXT, either, "", "k_n_wall", "",                                                                      \
+      "choice that some numbers have no part in: its first or last value, if the table has it")
 CLI_OPTIONS(joint, JOINT_OPTIONS)
 
 /* Points of a sweep, and which of its first n_keys columns the claims set; the others are choices. */
@@ -84,13 +85,14 @@ static rp_status print_joint(cli_call *call, const void *values)
         choices = rp_text(arena, "%s%s%s", choices, *choices ? "," : "", name);
         columns = rp_text(arena, "%s%s, ", columns, name);
     }
+    const bool either = rp_table_column(p.table, o->either) >= 0;
     RP_TRY(rp_group_rows(arena, p.table, *choices ? choices : "none", '\t', &groups));
     rp_table_header(
         call->out, call->units,
-        rp_text(arena, "%s%s [word], chi2, p_value, shift [own], shift_se [own], left, n_least, n_failed",
-                columns, o->either));
+        rp_text(arena, "%s%s%schi2, p_value, shift [own], shift_se [own], left, p_left, n_least, n_failed",
+                columns, either ? o->either : "", either ? " [word], " : ""));
     for (size_t g = 0; g < groups.n_groups; g++) {
-        for (int last = 0; last < 2; last++) {
+        for (int last = 0; last <= either; last++) {
             stats_number differences[N_OF(claims)];
             double least = INFINITY, failed = 0.0;
             for (int i = 0; i < ids.n; i++) {
@@ -108,9 +110,10 @@ static rp_status print_joint(cli_call *call, const void *values)
                 least = fmin(least, ours.n), failed += lost;
             }
             const report_together t = report_joint((size_t)ids.n, differences);
-            fprintf(call->out, "%s%s%s\t%.6g\t%.6g\t%.6g\t%.6g\t%.6g\t%g\t%g\n", groups.words[g],
-                    *choices ? "\t" : "", last ? "last" : "first", t.chi2, t.p, t.shift.value, t.shift.se,
-                    t.left, least, failed);
+            fprintf(call->out, "%s%s", groups.words[g], *choices ? "\t" : "");
+            if (either) fprintf(call->out, "%s\t", last ? "last" : "first");
+            fprintf(call->out, "%.6g\t%.6g\t%.6g\t%.6g\t%.6g\t%.6g\t%g\t%g\n", t.chi2, t.p, t.shift.value,
+                    t.shift.se, t.left, t.p_left, least, failed);
         }
     }
     return RP_OK;
@@ -122,7 +125,8 @@ const cli_command report_joint_command = {
     .synopsis = "[options]",
     .about = "Each row of the table is a choice that the claims do not set, such as the mass of a grain: "
              "chi^2 of the published numbers, the shift that all have in common, and what it leaves of "
-             "chi^2. `n_least`: piles of the setting that has fewest; `n_failed`: runs without a result.",
+             "chi^2, with its chance. `n_least`: piles of the setting that has fewest; `n_failed`: runs "
+             "without a result.",
     .example = "report joint --id lh-five --table lh_choices/points",
     .refuses = "A claim that is no joint one; a table that is not there.",
     .options = joint_params,

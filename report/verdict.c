@@ -107,6 +107,7 @@ report_together report_joint(size_t n, const stats_number differences[])
     t.shift = (stats_number){sum / weights, 1.0 / sqrt(weights)};
     t.left = t.chi2 - t.shift.value * sum;
     t.p = gsl_cdf_chisq_Q(t.chi2, (double)n);
+    t.p_left = gsl_cdf_chisq_Q(t.left, (double)n - 1.0);
     t.verdict = report_bound(t.p, level, 1);
     return t;
 }

@@ -83,9 +83,9 @@ report_verdict report_order(stats_number quotient, double factor);
 stats_number report_quotient(stats_number a, stats_number b);
 
 /* n differences from published numbers together: chi^2 and its chance, whose 5 % decide; the shift that all
- * have in common, and what it leaves of chi^2. NaN, and open, where one is not known. */
+ * have in common, what it leaves of chi^2, and the chance of that. NaN, and open, where one is not known. */
 typedef struct {
-    double chi2, p, left;
+    double chi2, p, left, p_left;
     stats_number shift;
     report_verdict verdict;
 } report_together;
