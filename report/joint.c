@@ -7,16 +7,15 @@
     REPORT_OPTIONS(X)                                                                                        \
     X(TEXT, id, "", "lh-five", "", "claim whose `answer` names the claims with the numbers")                 \
     X(TEXT, table, "", "lh_choices/points", "", "points of a sweep of the choices")                          \
-    X(TEXT, column, "", "theta_r3_deg", "", "column that answers")                                           \
-    X(TEXT, either, "", "k_n_wall", "",                                                                      \
-      "choice that some numbers have no part in: its first or last value, if the table has it")
+    X(TEXT, column, "", "theta_r3_deg", "", "column that answers")
 CLI_OPTIONS(joint, JOINT_OPTIONS)
 
-/* Points of a sweep, and which of its first n_keys columns the claims set; the others are choices. */
+/* Points of a sweep, of whose first n_keys columns some are settings of the paper: `at` says what each is
+ * there, unless a claim says it (NULL: a choice, of which the paper says nothing). */
 typedef struct {
     const rp_table *table;
     int n_keys;
-    bool *set;
+    const rp_condition **at;
 } joint_points;
 
 /* What a claim's cell says of a column; NULL: nothing. */
@@ -27,22 +26,27 @@ static const rp_condition *condition_on(const report_claim *c, const char *colum
     return NULL;
 }
 
-/* The setting of a claim: its cell's conditions on columns of the table, and for other columns that claims
- * set, what the file of claims says of its paper. */
-static rp_status conditions_of(rp_arena *arena, const report_claims *all, const report_claim *c,
-                               const joint_points *p, bool rows[])
+/* What the file of claims says of the settings of a paper. */
+static rp_status read_settings(rp_arena *arena, const report_claims *all, const char *paper, joint_points *p)
 {
-    const char *usual = rp_table_find_note(all->table, rp_text(arena, "at %s", c->paper));
+    const char *usual = rp_table_find_note(all->table, rp_text(arena, "at %s", paper));
     const report_words words = report_split(arena, usual ? usual : "");
+    p->at = rp_arena_memory(arena, (size_t)p->n_keys, sizeof *p->at);
+    for (int w = 0; w < words.n; w++) {
+        rp_condition *condition = rp_arena_memory(arena, 1, sizeof *condition);
+        RP_TRY(rp_condition_read(words.word[w], condition));
+        for (int k = 0; k < p->n_keys; k++)
+            if (strcmp(condition->column, p->table->names[k]) == 0) p->at[k] = condition;
+    }
+    return RP_OK;
+}
+
+/* The rows of the setting of a claim. */
+static rp_status mark_setting(const report_claim *c, const joint_points *p, bool rows[])
+{
     for (int k = 0; k < p->n_keys; k++) {
-        const char *column = p->table->names[k];
-        const rp_condition *said = condition_on(c, column);
-        rp_condition condition;
-        for (int w = 0; w < words.n && !said && p->set[k]; w++) {
-            RP_TRY(rp_condition_read(words.word[w], &condition));
-            if (strcmp(condition.column, column) == 0) said = &condition;
-        }
-        if (said) RP_TRY(rp_conditions_mark(p->table, 1, said, rows));
+        const rp_condition *said = p->at[k] ? condition_on(c, p->table->names[k]) : NULL;
+        if (p->at[k]) RP_TRY(rp_conditions_mark(p->table, 1, said ? said : p->at[k], rows));
     }
     return RP_OK;
 }
@@ -65,56 +69,48 @@ static rp_status print_joint(cli_call *call, const void *values)
         return rp_fail(RP_BAD_INPUT, "claim %s: a joint one of at most %zu expected", o->id, N_OF(claims));
     for (p.n_keys = 0; !rp_ends_in(p.table->names[p.n_keys], "_mean"); p.n_keys++)
         if ((size_t)p.n_keys + 1 == p.table->n_columns) break;
-    p.set = rp_arena_memory(arena, (size_t)p.n_keys, sizeof *p.set);
+    RP_TRY(read_settings(arena, &all, joint->paper, &p));
     bool **rows = rp_arena_memory(arena, (size_t)ids.n, sizeof *rows);
     for (int i = 0; i < ids.n; i++) {
         RP_TRY(report_claims_find(&all, ids.word[i], &claims[i]));
-        for (int k = 0; k < p.n_keys; k++) p.set[k] |= condition_on(claims[i], p.table->names[k]) != NULL;
-    }
-    for (int i = 0; i < ids.n; i++) {
         rows[i] = rp_arena_memory(arena, p.table->n_rows, sizeof **rows);
         memset(rows[i], true, p.table->n_rows);
-        RP_TRY(conditions_of(arena, &all, claims[i], &p, rows[i]));
+        RP_TRY(mark_setting(claims[i], &p, rows[i]));
     }
     cli_table(call, call->out);
     rp_table_note(call->out, "dof", "%d, with a common shift %d", ids.n, ids.n - 1);
     const char *choices = "", *columns = "";
     for (int k = 0; k < p.n_keys; k++) {
         const char *name = p.table->names[k];
-        if (p.set[k] || strcmp(name, o->either) == 0) continue;
+        if (p.at[k]) continue;
         choices = rp_text(arena, "%s%s%s", choices, *choices ? "," : "", name);
         columns = rp_text(arena, "%s%s, ", columns, name);
     }
-    const bool either = rp_table_column(p.table, o->either) >= 0;
     RP_TRY(rp_group_rows(arena, p.table, *choices ? choices : "none", '\t', &groups));
-    rp_table_header(
-        call->out, call->units,
-        rp_text(arena, "%s%s%schi2, p_value, shift [own], shift_se [own], left, p_left, n_least, n_failed",
-                columns, either ? o->either : "", either ? " [word], " : ""));
+    rp_table_header(call->out, call->units,
+                    rp_text(arena,
+                            "%schi2, p_value, shift [own], shift_se [own], left, p_left, n_least, n_failed",
+                            columns));
     for (size_t g = 0; g < groups.n_groups; g++) {
-        for (int last = 0; last <= either; last++) {
-            stats_number differences[N_OF(claims)];
-            double least = INFINITY, failed = 0.0;
-            for (int i = 0; i < ids.n; i++) {
-                report_cell cell = {p.table, p.table->n_rows, o->column};
-                for (size_t r = 0; r < p.table->n_rows; r++)
-                    if (rows[i][r] && groups.of_row[r] == g && (last || cell.row == p.table->n_rows))
-                        cell.row = r;
-                report_number ours = {.tested = {NAN, NAN}, .n = 0.0};
-                double lost = 0.0;
-                if (cell.row < p.table->n_rows) {
-                    RP_TRY(report_cell_number(&cell, &ours));
-                    RP_TRY(report_cell_column(&cell, "n_failed", &lost));
-                }
-                differences[i] = report_difference(ours.tested, claims[i]->number);
-                least = fmin(least, ours.n), failed += lost;
+        stats_number differences[N_OF(claims)];
+        double least = INFINITY, failed = 0.0;
+        for (int i = 0; i < ids.n; i++) {
+            report_cell cell = {p.table, p.table->n_rows, o->column};
+            report_number ours = {.tested = {NAN, NAN}, .n = 0.0};
+            double lost = 0.0;
+            for (size_t r = 0; r < p.table->n_rows; r++)
+                if (rows[i][r] && groups.of_row[r] == g) cell.row = r;
+            if (cell.row < p.table->n_rows) {
+                RP_TRY(report_cell_number(&cell, &ours));
+                RP_TRY(report_cell_column(&cell, "n_failed", &lost));
             }
-            const report_together t = report_joint((size_t)ids.n, differences);
-            fprintf(call->out, "%s%s", groups.words[g], *choices ? "\t" : "");
-            if (either) fprintf(call->out, "%s\t", last ? "last" : "first");
-            fprintf(call->out, "%.6g\t%.6g\t%.6g\t%.6g\t%.6g\t%.6g\t%g\t%g\n", t.chi2, t.p, t.shift.value,
-                    t.shift.se, t.left, t.p_left, least, failed);
+            differences[i] = report_difference(ours.tested, claims[i]->number);
+            least = fmin(least, ours.n), failed += lost;
         }
+        const report_together t = report_joint((size_t)ids.n, differences);
+        fprintf(call->out, "%s%s", groups.words[g], *choices ? "\t" : "");
+        fprintf(call->out, "%.6g\t%.6g\t%.6g\t%.6g\t%.6g\t%.6g\t%g\t%g\n", t.chi2, t.p, t.shift.value,
+                t.shift.se, t.left, t.p_left, least, failed);
     }
     return RP_OK;
 }
