@@ -18,11 +18,17 @@ typedef struct {
     bool *set;
 } joint_points;
 
+static bool is_on(const char *condition, const char *column)
+{
+    const size_t n = strcspn(condition, "<>=!");
+    return strncmp(condition, column, n) == 0 && !column[n];
+}
+
 /* What a claim's cell says of a column; NULL: nothing. */
-static const rp_condition *condition_on(const report_claim *c, const char *column)
+static const char *condition_on(const report_claim *c, const char *column)
 {
     for (size_t i = 0; i < c->answers->n; i++)
-        if (strcmp(c->answers->conditions[i].column, column) == 0) return &c->answers->conditions[i];
+        if (is_on(c->answers->conditions[i], column)) return c->answers->conditions[i];
     return NULL;
 }
 
@@ -35,13 +41,10 @@ static rp_status conditions_of(rp_arena *arena, const report_claims *all, const 
     const report_words words = report_split(arena, usual ? usual : "");
     for (int k = 0; k < p->n_keys; k++) {
         const char *column = p->table->names[k];
-        const rp_condition *said = condition_on(c, column);
-        rp_condition condition;
-        for (int w = 0; w < words.n && !said && p->set[k]; w++) {
-            RP_TRY(rp_condition_read(words.word[w], &condition));
-            if (strcmp(condition.column, column) == 0) said = &condition;
-        }
-        if (said) RP_TRY(rp_conditions_mark(p->table, 1, said, rows));
+        const char *said = condition_on(c, column);
+        for (int w = 0; w < words.n && !said && p->set[k]; w++)
+            if (is_on(words.word[w], column)) said = words.word[w];
+        if (said) RP_TRY(rp_rows_mark(p->table, said, rows));
     }
     return RP_OK;
 }

@@ -81,7 +81,7 @@ void cli_table(const cli_call *call, FILE *out);
 /* Options that several commands have. */
 #define CLI_WHERE(X)                                                                                         \
     X(TEXTS, where, "", "", "",                                                                              \
-      "rows with NAME=VALUE, NAME!=VALUE, or an expression as x > 1 and y <= 2*x; several must all hold")
+      "rows that meet a condition, as floor=ends, W != 4 or x > 1 and y <= 2*x; several must all hold")
 #define CLI_BY(X, fallback, what)                                                                            \
     X(TEXT, by, "", fallback, "", "columns (a or a,b,...) whose different cells make the " what)
 #define CLI_RANGE(X, what)                                                                                   \
