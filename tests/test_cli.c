@@ -388,10 +388,9 @@ static void test_bad_scenes(void)
     static const failure changes[] = {
         {64, "--row needs a sweep", "run s.cfg --row 1"},
         {65, "frob: unknown key", "run s.cfg --set frob=1"},
-        {65, "--set:1: 4294967396: whole numbers go up to", "run s.cfg --set steps=4294967396"},
+        {65, "steps = 4294967396: out of range", "run s.cfg --set steps=4294967396"},
         {65, "steps = \"5; dt = 6\"", "run s.cfg --set 'steps=5; dt = 6'"}};
     CHECK_FAILURES(changes);
-    FAILS(65, "more than 500 bytes", "run s.cfg --set steps=%0600d", 5);
     /* entries of lists, and lists as values */
     write_text("s.cfg", "steps = 10; particles = ( " GRAIN " );\n"
                         "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },\n"
@@ -399,8 +398,8 @@ static void test_bad_scenes(void)
     FAILS(65, "walls is a list of 2 entries", "run s.cfg --set 'walls[1x].mu=1'");
     FAILS(65, "steps has no keys of its own", "run s.cfg --set 'steps.mu=1'");
     FAILS(65, "did you mean \"omega\"", "run s.cfg --set 'walls[1].omeg=3'");
-    GOOD("run s.cfg --set 'walls[1].omega=3' --set 'walls[1].velocity=(0.5, 0)' --set 'gravity=[0, -1]' -o "
-         "set");
+    GOOD("run s.cfg --set 'walls[1].omega=3' --set 'walls[1].velocity=[1/2, 0]' --set 'gravity=[0, -1]' "
+         "--set 'steps=2*(4 + 1)' -o set");
     scoped_table walls = read_table("set/walls.tsv"), grains = read_table("set/states.tsv");
     CHECK_NEAR(cell(&walls, 0, "direction_y"), 1.0, 0.0);
     CHECK_EACH(cell(&walls, 1, NAME), 1e-12, {"x", 0.5 * 10 * 5e-5}, {"direction_y", sin(3.0 * 10 * 5e-5)});
@@ -922,7 +921,7 @@ static void test_stats_trends(void)
     FAILS(64, "-y = \"x,y\": one column expected", "stats trend runs.tsv -x y -y x,y");
     write_text("runs.tsv", "x\ty\n1\t5\n2\t5\n1\t5\n2\t5\n"); /* no trend, but of round-off */
     PRINTS("\t0\t0\t0\t0\t1\t1\tnan\t0\t-\tok\n", "stats size runs.tsv -x x -y y");
-    FAILS(1, "no row", "stats trend runs.tsv -x x -y y --where 'x=1:2mm'");
+    FAILS(1, "no row", "stats trend runs.tsv -x x -y y --where 'x=1:2'");
 }
 
 static void test_stats_select(void)
@@ -939,8 +938,8 @@ static void test_stats_select(void)
     FAILS(65, "no column \"2nd\"", "stats select plain.tsv --columns 2nd");
     FAILS(65, "no column \"frob\"", "stats select a.tsv --where frob=1");
     FAILS(65, "no column \"B\" (did you mean \"b\"?); found: ", "stats select a.tsv --where B=1");
-    FAILS(65, "NAME=VALUE expected", "stats select a.tsv --where frob");
-    FAILS(65, "unknown name old", "stats select a.tsv --where 'law<old'");
+    FAILS(65, "no column \"frob\"", "stats select a.tsv --where frob");
+    FAILS(65, "no column \"old\"", "stats select a.tsv --where 'law<old'");
     write_text("p.tsv", "# eps\te\tmodes\n1e-2\t9\t3\n1e-4\t2e-4\t0\n1e-6\t2e-6\t0\n1e-8\t2e-8\t0\n");
     scoped_table t = TABLE_OF("stats fit p.tsv -x eps -y e --scale log --where modes=0");
     CU_ASSERT(t.n_rows == 1);
