@@ -223,11 +223,9 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
     const bool whole = options->shards == 0;
     const size_t parts = whole ? 1 : (size_t)options->shards;
     RP_TRY(rp_check_range("workers", options->workers, 1.0, DBL_MAX, "[1, inf)"));
-    const double limits[] = {options->memory, options->time, options->patience, options->slow,
-                             options->snapshot};
+    const double limits[] = {options->memory, options->time, options->snapshot};
     for (size_t k = 0; k < sizeof limits / sizeof *limits; k++)
-        RP_TRY(
-            rp_check_range("memory, time, patience, slow or snapshot", limits[k], 0.0, INFINITY, "[0, inf]"));
+        RP_TRY(rp_check_range("memory, time or snapshot", limits[k], 0.0, INFINITY, "[0, inf]"));
     if (!whole && (options->shard < 1 || options->shard > options->shards))
         return rp_fail(RP_BAD_INPUT, "shard = %d/%d: out of range, allowed: 1/%d to %d/%d", options->shard,
                        options->shards, options->shards, options->shards, options->shards);

@@ -59,9 +59,7 @@ typedef struct {
     void (*watch)(const sweep_progress *progress, void *context); /* may be NULL */
     void *context;
     double memory, time; /* of one run: MB (1e6 bytes) and s; 0 or infinite: no limit */
-    double patience;     /* s without progress after which a worker is replaced; 0: a minute */
-    double slow; /* s after which a run is reported if the others take less than 1 % of it; 0: ten minutes */
-    /* One line on a run that failed, or that is slow, when it is; may be NULL. */
+    /* One line on a run that failed, when it does; may be NULL. */
     void (*report)(void *context, const char *format, ...) __attribute__((format(printf, 2, 3)));
     double snapshot; /* processor seconds from one snapshot of a run to the next, in DIR/snapshots; 0: none */
 } sweep_options;
@@ -85,7 +83,7 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
                         const sweep_protocol *const *protocols, sweep_watch *watch, sweep_counts *counts);
 
 /* Make the runs that are not stored yet, each in a worker process; one row is committed a finished run. A
- * run whose worker dies or hangs is tried three times. It is then a row with status "crashed", one beyond a
+ * run whose worker dies is tried three times. It is then a row with status "crashed", one beyond a
  * limit "no_memory" or "time_limit", with the cause in its message: RP_NO_RESULT, and the next call tries
  * these runs again. SIGINT, SIGTERM and SIGHUP stop the sweep: runs in progress have ten seconds to end or to
  * write a snapshot, a second signal ends them at once: RP_STOPPED. RP_OK when every row is stored

@@ -96,7 +96,7 @@ static const cli_command run = {
     "stop, even by SIGKILL, the same command resumes. Long runs resume from their last snapshots (all "
     "protocols but pile), with the same bits; SIGINT, SIGTERM and SIGHUP write these, a second signal ends "
     "the sweep at once. Exit status 0 if every run is stored with its outcome; 75 if stopped; 1 while runs "
-    "are aborted, which the same command tries again: status crashed (its worker died or hung, three times), "
+    "are aborted, which the same command tries again: status crashed (its worker died, three times), "
     "no_memory, time_limit. With --shard, machines that share the folder, or have copies of it, each make a "
     "part; `sweep merge` unites the parts.",
     "repose sweep run build/sweeps/lh3 -j 2",
