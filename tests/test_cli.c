@@ -126,129 +126,6 @@ static void test_wrong_usage(void)
     CHECK_FAILURES(list);
 }
 
-/* A job of the array makes one shard; the commands for other schedulers make the same shards. */
-static void test_slurm(void)
-{
-    static const failure list[] = {
-        {65, "--time 1:00:00 and --mem 1G expected", "sweep slurm d --shards 2 --time '1h'"},
-        {65, "--time 1:00:00 and --mem 1G expected", "sweep slurm d --shards 2 --mem '1 G'"},
-        {65, "--shards 1001: Slurm takes arrays of up to 1000 tasks, unless its MaxArraySize is raised; give",
-         "sweep slurm d --shards 1001"},
-        {65, "array.sh: is there; give another name, or --force", "sweep slurm d --shards 6"},
-        {65, "none: no such folder", "sweep slurm none --shards 2"},
-        {65, "empty: no sweep.cfg", "sweep slurm empty --shards 2"}};
-    static char script[4096];
-    char folder[512], program[512];
-    write_text("s.cfg", "protocol = \"pile\"; replicas = 9; fixed = { base = 4; };\n");
-    GOOD("sweep plan s.cfg -o d");
-    GOOD("sweep slurm d --shards 7 -j 3 --time 0:30:00 --mem 2G");
-    CU_ASSERT_FATAL(shell("printf %s $(realpath d) >folder; printf %s $(realpath \"$REPOSE\") >program") ==
-                    0);
-    slurp("folder", folder, sizeof folder);
-    slurp("program", program, sizeof program);
-    slurp("d/array.sh", script, sizeof script);
-    SHELL("rm d/array.sh; \"$REPOSE\" sweep slurm d --shards 1000 >most && grep -q -- '^#SBATCH "
-          "--array=1-1000$' d/array.sh");
-    CU_ASSERT_STRING_EQUAL(out, check_text("sbatch %s/array.sh\nparallel -q --sshlogin HOST1,HOST2 %s sweep "
-                                           "run %s --shard {}/7 -j 3 ::: $(seq 7)\nrepose sweep merge %s\n",
-                                           folder, program, folder, folder));
-    CHECK_PARTS(script,
-                "#SBATCH --array=1-7\n#SBATCH --cpus-per-task=3\n#SBATCH "
-                "--time=0:30:00\n#SBATCH --mem-per-cpu=2G\n",
-                check_text("exec >>%s/shards/$SLURM_ARRAY_TASK_ID-of-7.log 2>&1\n%s sweep run %s --shard "
-                           "$SLURM_ARRAY_TASK_ID/7 -j 3 &\n",
-                           folder, program, folder));
-    SHELL("mkdir empty");
-    CHECK_FAILURES(list);
-    SHELL("rmdir empty"); /* it stays as it is */
-}
-
-/* The job array, and the commands that are printed, work in folders of any name, and run nothing of it. */
-static void test_slurm_names(void)
-{
-    static const char *const names[] = {"it's", "two  words", "a;touch hit", "$(touch hit)", "`touch hit`",
-                                        "100%", "\"x\" & y",  "x[1]",        "y?",           "*"};
-    write_text("s.cfg", "protocol = \"pile\"; replicas = 4; fixed = { base = 4; };\n");
-    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
-        write_text("name", "%s", names[k]);
-        const char script[] =
-            "d=\"$(cat name)\"; \"$REPOSE\" sweep plan s.cfg -o \"$d\" >out 2>err || exit 1; \"$REPOSE\" "
-            "sweep slurm \"$d\" --shards 2 >said 2>>err || exit 2; SLURM_ARRAY_TASK_ID=1 bash "
-            "\"$d/array.sh\" || exit 3; sed -n 's/^parallel -q --sshlogin HOST1,HOST2 //; s/{}/2/; s/ ::: "
-            ".*//; 2p' said >second; sh second >out 2>>err || exit 4; sed -n 's/^repose/\"$REPOSE\"/; 3p' "
-            "said >third; REPOSE=\"$REPOSE\" sh third >out 2>>err || exit 5; sh -c \"$(sed -n "
-            "'s/^sbatch/test -f/; 1p' said)\" || exit 6; test -s \"$d/shards/1-of-2.log\" || exit 7; ! ls "
-            "hit >>out 2>&1";
-        const int status = shell(script);
-        CHECK_OR_SAY(status == 0, "sweep slurm in \"%s\": step %d: %s", names[k], status, err);
-    }
-}
-
-int repose_main(int argc, char **argv); /* of tests/fuzz/targets.c */
-
-/* The text between two others, from there on; moves behind it. */
-static char *between(const char **at, const char *before, const char *after)
-{
-    const char *from = strstr(*at, before), *end = from ? strstr(from + strlen(before), after) : NULL;
-    CU_ASSERT_PTR_NOT_NULL_FATAL(end);
-    *at = end + strlen(after);
-    return strndup(from + strlen(before), (size_t)(end - from) - strlen(before));
-}
-
-/* Random names of folders: in the job array, and in the commands that are printed, the shell reads each as
- * one word, and as that name. */
-static void test_random_folders(void)
-{
-    enum { NAMES = 1000, WORDS = 5 };
-    scoped_rng *rng = numbers_of(2385, 8);
-    char root[FOLDER_PATH], name[NAMES][NUMBERS_TEXT];
-    folder_make_in_memory("folders", root);
-    FILE *words = file_of("words.sh");
-    for (int k = 0; k < NAMES; k++) {
-        int end = 0;
-        numbers_text(rng, "/", name[k]);
-        char *folder = (char *)check_text("%s/x%.*s", root, NUMBERS_TEXT, name[k]);
-        mkdir(folder, 0777); /* some names come twice */
-        fclose(fopen(folder_path(folder, "sweep.cfg"), "a"));
-        fflush(words);
-        const pid_t child = fork();
-        if (child == 0) {
-            char *line[] = {"repose", "sweep", "slurm", folder, "--shards", "2", "--force", NULL};
-            if (chdir(root) != 0 || !freopen("said", "w", stdout)) _exit(99);
-            exit(repose_main(7, line));
-        }
-        CU_ASSERT(waitpid(child, &end, 0) == child && end == 0);
-        size_t n;
-        scoped char *script = file_read(folder_path(folder, "array.sh"), &n);
-        scoped char *said = file_read(folder_path(root, "said"), &n);
-        const char *at = script, *then = said;
-        said[n - 1] = '\0'; /* the end of the last line */
-        scoped char *log = between(&at, "exec >>", "/shards/$SLURM_ARRAY_TASK_ID-of-2.log 2>&1\n"),
-                    *array = between(&at, " sweep run ", " --shard $SLURM_ARRAY_TASK_ID/2 -j 1 &\n"),
-                    *submit = between(&then, "sbatch ", "\nparallel -q --sshlogin HOST1,HOST2 "),
-                    *part = between(&then, " sweep run ", " --shard {}/2 -j 1 ::: $(seq 2)\n");
-        const char *merge = strstr(then, "repose sweep merge ");
-        CU_ASSERT_PTR_NOT_NULL_FATAL(merge);
-        fprintf(words, "printf '%%s\\0' %s %s %s %s %s\n", log, array, submit, part,
-                merge + strlen("repose sweep merge "));
-    }
-    fclose(words);
-    SHELL("sh words.sh >read 2>err && ! ls hit >out 2>>err");
-    CU_ASSERT(access(folder_path(root, "hit"), F_OK) != 0);
-    size_t n;
-    scoped char *read = file_read(path_of("read"), &n);
-    const char *word = read;
-    for (int k = 0; k < NAMES; k++)
-        for (int w = 0; w < WORDS; w++, word += strlen(word) + 1) {
-            const char *folder =
-                check_text("%s/x%.*s%s", root, NUMBERS_TEXT, name[k], w == 2 ? "/array.sh" : "");
-            CU_ASSERT_FATAL(word < read + n);
-            CHECK_OR_SAY(strcmp(word, folder) == 0, "the shell reads \"%s\" for \"%s\"", word, folder);
-        }
-    CU_ASSERT(word == read + n);
-    folder_remove(root);
-}
-
 /* ---- killed ---- */
 
 /* Start the program with these words, and kill it at the entry of its k-th call that changes files, from 1;
@@ -1744,12 +1621,11 @@ static void test_run_stopped(void)
 }
 
 CHECK_SUITE_WITHIN(cli, "command line", enter, leave, test_hardened, test_help, test_wrong_usage,
-                   test_bad_values, test_slurm, test_slurm_names, test_random_folders, test_killed_plans,
-                   test_bench, test_bad_scenes, test_bad_sweeps, test_sweep_or_scene, test_broken_output,
-                   test_static_models, test_angles, test_group_order, test_angle_tables, test_stress_tables,
-                   test_claims, test_families, test_pooled, test_bad_claims, test_report, test_page_frames,
-                   test_page_circles, test_stress_dip, test_cut_drops, test_stats_trends, test_stats_select,
-                   test_free_fall, test_output_folder, test_broken_run, test_sweep, test_make,
-                   test_derivations, test_settings, test_shared_piles, test_row_again, test_run_stopped,
-                   test_energy_growth, test_drag, test_run_intervals, test_run_help, test_run_scene,
-                   test_undamped_sweep, test_limits, test_stopped)
+                   test_bad_values, test_killed_plans, test_bench, test_bad_scenes, test_bad_sweeps,
+                   test_sweep_or_scene, test_broken_output, test_static_models, test_angles, test_group_order,
+                   test_angle_tables, test_stress_tables, test_claims, test_families, test_pooled,
+                   test_bad_claims, test_report, test_page_frames, test_page_circles, test_stress_dip,
+                   test_cut_drops, test_stats_trends, test_stats_select, test_free_fall, test_output_folder,
+                   test_broken_run, test_sweep, test_make, test_derivations, test_settings, test_shared_piles,
+                   test_row_again, test_run_stopped, test_energy_growth, test_drag, test_run_intervals,
+                   test_run_help, test_run_scene, test_undamped_sweep, test_limits, test_stopped)

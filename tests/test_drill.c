@@ -76,7 +76,7 @@ static void leave(void)
 
 static rp_status plan(const char *of)
 {
-    return sweep_prepare(of, dir, 0, protocols, NULL, &(sweep_counts){0});
+    return sweep_prepare(of, dir, 0, protocols, &(sweep_counts){0});
 }
 
 /* The sweep in a new folder. */

@@ -208,6 +208,6 @@ static inline const char *cli_cell(const char *text)
 /* The commands, and subcommands with a file of their own. */
 extern const cli_command cmd_lattice, cmd_continuum, cmd_tent, cmd_pile, cmd_angle, cmd_stress, cmd_stats,
     cmd_run, cmd_view, cmd_sweep, cmd_export, cmd_calibrate, cmd_params, cmd_bench, cmd_help;
-extern const cli_command cmd_sweep_make, cmd_sweep_merge, cmd_sweep_slurm, cmd_angle_slope;
+extern const cli_command cmd_sweep_make, cmd_angle_slope;
 
 #endif

@@ -34,18 +34,13 @@ RP_C_BEGIN
 /* How far a sweep is. A result is a row whose status starts with "ok"; the others are failed. */
 typedef struct {
     size_t points, replicas, planned, stored, failed;
-    double seconds;   /* of a run, on average; NaN without any */
-    char shards[256]; /* "2,5-7 of 8": those with runs to do; "" without shards, or when all are done. Of
-                       * sweep_status and sweep_merge alone */
-    rp_tally words;   /* by status, in alphabetical order */
+    double seconds; /* of a run, on average; NaN without any */
+    rp_tally words; /* by status, in alphabetical order */
 } sweep_counts;
 
 /* "no_pile 6, overlap 2": the words for which `wanted`. Returns `text`. */
 const char *sweep_words(const rp_tally *words, bool (*wanted)(const char *status), char text[1024]);
 bool sweep_is_failed(const char *status);
-
-/* Told how far something long is. */
-typedef void sweep_watch(const char *what, size_t done, size_t of);
 
 /* What a watcher is shown: after each row, and several times a second in between. */
 typedef struct {
@@ -80,7 +75,7 @@ void sweep_recipe_free(sweep_recipe *recipe);
  * `replicas` instead of the file's, unless 0: runs that both have are the same runs. Nothing is made unless
  * the whole file is good. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
 rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
-                        const sweep_protocol *const *protocols, sweep_watch *watch, sweep_counts *counts);
+                        const sweep_protocol *const *protocols, sweep_counts *counts);
 
 /* Make the runs that are not stored yet, each in a worker process; one row is committed a finished run. A
  * run whose worker dies is tried three times. It is then a row with status "crashed", one beyond a

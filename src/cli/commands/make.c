@@ -257,7 +257,7 @@ static rp_status plan_runs(const making *m, sweep_counts *counts)
     const make_options *o = m->o;
     const size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? m->recipe.study : 0;
     RP_TRY(cli_claim_sweep(o->o, m->file, o->force));
-    return sweep_prepare(m->file, o->o, replicas, sweep_protocols, cli_watch(o->quiet), counts);
+    return sweep_prepare(m->file, o->o, replicas, sweep_protocols, counts);
 }
 
 static rp_status make_runs(const making *m)

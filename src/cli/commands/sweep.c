@@ -1,11 +1,10 @@
-/* repose sweep plan|run|status|export|digest|make */
+/* repose sweep plan|run|status|merge|export|digest|make */
 #include "cli/cli.h"
 #include "cli/progress.h"
 
 #define PLAN_OPTIONS(X)                                                                                      \
     X(TEXT, o, "", NULL, "", "folder of the sweep; created if missing")                                      \
     X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
-    CLI_QUIET(X)                                                                                             \
     CLI_FORCE(X)
 
 CLI_OPTIONS(plan, PLAN_OPTIONS)
@@ -30,8 +29,7 @@ static rp_status act_plan(cli_call *call, const void *values)
     sweep_counts counts;
     RP_TRY(cli_claim_sweep(o->o, cli_argument(call, 0), o->force));
     RP_TRY(sweep_prepare(cli_data(call->arena, cli_argument(call, 0)), o->o,
-                         o->replicas > 0 ? (size_t)o->replicas : 0, sweep_protocols, cli_watch(o->quiet),
-                         &counts));
+                         o->replicas > 0 ? (size_t)o->replicas : 0, sweep_protocols, &counts));
     print_planned(call, o->o, &counts);
     return RP_OK;
 }
@@ -39,7 +37,7 @@ static rp_status act_plan(cli_call *call, const void *values)
 static const cli_command plan = {
     "sweep plan",
     "check a sweep file and plan its runs in a folder",
-    "FILE -o DIR [--replicas N] [--quiet] [--force]",
+    "FILE -o DIR [--replicas N] [--force]",
     "Check a sweep file and every point of its grid, and plan its runs in a folder. Planning again after a "
     "change, or for more replicas, keeps all stored runs and reuses those that match. A folder with a sweep "
     "of another name, or with a run, is refused without --force. The file (libconfig syntax):\n"
@@ -111,7 +109,6 @@ static rp_status act_status_of(cli_call *call, const void *values)
     RP_TRY(sweep_status(cli_argument(call, 0), sweep_protocols, &counts));
     const double left = counts.seconds * (double)(counts.planned - counts.stored);
     if (isfinite(left)) rp_table_note(call->out, "left", "%.3g s of one core", left);
-    if (*counts.shards) rp_table_note(call->out, "shards with missing runs", "%s", counts.shards);
     cli_print_counts(call, &counts);
     return RP_OK;
 }
@@ -121,12 +118,36 @@ static const cli_command status_of = {
     "numbers of stored runs and of each status",
     "DIR",
     "Numbers of planned, stored and missing runs, and of runs with each status, with all shards in the "
-    "folder; the time left, and the shards with missing runs as a list for an "
-    "array of jobs.",
+    "folder; the time left.",
     "repose sweep status build/sweeps/lh3",
     NULL,
     .refuses = "A folder without a planned sweep.",
     .act = act_status_of};
+
+static rp_status act_merge(cli_call *call, const void *values)
+{
+    (void)values;
+    sweep_counts counts;
+    int n = 0;
+    while (cli_argument(call, n + 1)) n++;
+    RP_TRY(sweep_merge(cli_argument(call, 0), sweep_protocols, (size_t)n, call->arguments + 1, &counts));
+    if (n > 0) RP_TRY(sweep_status(cli_argument(call, 0), sweep_protocols, &counts)); /* its own shards too */
+    cli_print_counts(call, &counts);
+    return sweep_check_whole(cli_argument(call, 0), &counts);
+}
+
+static const cli_command merge = {
+    "sweep merge",
+    "take the rows of shards and of other stores",
+    "DIR...",
+    "Take the rows of the shards of the first folder, or of the further folders and stores, into its store. "
+    "Refused, with nothing taken: two results of the same run that differ; a store of another protocol or "
+    "another model of the physics. Exit status 1 while runs are missing.",
+    "repose sweep merge build/sweeps/lh3",
+    NULL,
+    .refuses = "Two results of the same run that differ; a store of another protocol or another model of the "
+               "physics.\nNothing is taken then.",
+    .act = act_merge};
 
 #define EXPORT_OPTIONS(X)                                                                                    \
     X(TEXT, o, "", "-", "", "file to write; - is standard output")                                           \
@@ -184,6 +205,6 @@ static const cli_command digest = {
     .refuses = "A folder without a planned sweep.",
     .act = act_digest};
 
-static const cli_command *const commands[] = {
-    &plan, &run, &status_of, &cmd_sweep_merge, &export, &digest, &cmd_sweep_make, &cmd_sweep_slurm, NULL};
+static const cli_command *const commands[] = {&plan,   &run,    &status_of,      &merge,
+                                              &export, &digest, &cmd_sweep_make, NULL};
 const cli_command cmd_sweep = {"sweep", "plan, run and read parameter sweeps", .group = commands};
