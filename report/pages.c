@@ -298,5 +298,4 @@ const cli_command report_page = {
     "report page report/text/paper-repro.md.in -o paper-repro.md",
     page_params,
     .refuses = "A place with an unknown word, or whose table has no such row or column.",
-    .prints_text = true,
     .act = fill_page};

@@ -85,7 +85,6 @@ static void test_wrong_usage(void)
     static const failure list[] = {
         {64, "unknown command \"frob\"", "frob"},
         {64, "t: stands twice", "stats fit a t t -x x -y y"},
-        {64, "--json is of standard output", "sweep export d --json -o f.json"},
         {64, "unknown command \"frob\"", "angle frob"},
         {64, "--threshold can't be combined with --o; it allows the outline",
          "pile --base 9 --eps 1e-4 --threshold -o d"},
@@ -1179,15 +1178,11 @@ static void test_sweep(void)
 {
     write_sweep();
     PRINTS("d1: 4 runs (2 grid points x 2 replicas), 0 already stored", "sweep plan s.cfg -o d1");
-    GOOD("sweep plan s.cfg -o d1 --json");
-    CHECK_PARTS(out, "\"folder\": \"d1\"", "{\"runs\": 4, \"points\": 2, \"replicas\": 2, \"stored\": 0}");
     FAILS(1, "d1: 4 of 4 runs are missing", "sweep digest d1");
     FAILS(1, "the table is not whole: d1: 4 of 4 runs are missing", "sweep export d1 -o part.tsv");
     SHELL("test $(grep -vc '^#' part.tsv) = 1"); /* the names, and no run */
     FAILS(1, "not whole", "export d1 --to csv");
     GOOD("sweep run d1 -j 1");
-    GOOD("sweep digest d1 --json");
-    SHELL("grep -q '\"runs\": 4' out && grep -q \"$(\"$REPOSE\" sweep digest d1 | cut -f 1)\" out");
     GOOD("sweep digest d1");
     CU_ASSERT(strspn(out, "0123456789abcdef") == 32 && strcmp(out + 32, "\t4\n") == 0);
     const char *digest = check_text("%.40s", out);

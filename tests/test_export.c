@@ -373,7 +373,6 @@ static void test_text_files(void)
     GOOD("export t.tsv --to csv --columns z,z,x,x,y,z");
     file_is("out", "z,z,x,x,y,z\n1e5,1e5,1,1,.5,1e5\n\"x,y\",\"x,y\",-0,-0,nan,\"x,y\"\n-,-,+3,+3,inf,-\n");
     FAILS(65, "two columns have one name", "export t.tsv --to json --columns x,y,x");
-    FAILS(65, "two columns have one name", "stats select t.tsv --columns x,x --json");
     write_text("t.tsv", "a\tb\ntrue\tfalse\n");
     PRINTS("{\"a\": true, \"b\": false}\n]}\n", "export t.tsv --to json");
     /* columns without names have numbers */

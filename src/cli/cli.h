@@ -32,7 +32,6 @@ typedef struct {
     rp_param *options; /* of the command, with names as they are typed */
     bool *given;       /* each option: on the command line? */
     void *values;
-    size_t n_own; /* options of the command itself; those after them are of every command */
     int n_arguments;
     char *const *arguments;
 } cli_call;
@@ -115,8 +114,7 @@ typedef struct cli_command {
     const struct cli_command *const *group; /* subcommands, to NULL; no `act` */
     const rp_param *protocol;               /* schema whose options come first, and the size of its values */
     size_t protocol_size;
-    bool derives;     /* a table from a table of runs, or from piles: for settings `derive` */
-    bool prints_text; /* or nothing: the others print a table, which has --json */
+    bool derives; /* a table from a table of runs, or from piles: for settings `derive` */
 } cli_command;
 
 /* The options of a command as they are typed, with their defaults, in call->options and call->values. */

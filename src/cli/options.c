@@ -109,12 +109,6 @@ static void print_help(const cli_call *call)
 
 /* ---- the options of a command ---- */
 
-/* Options of every command that prints a table. */
-static const rp_param generic_options[] = {
-    {"json", "", RP_BOOL, 0, "false", "",
-     "print the table as JSON: header lines, units, and rows as objects; nan as null"},
-    {0}};
-
 /* Room for the values of a schema. */
 static size_t size_of(const rp_param *schema)
 {
@@ -133,16 +127,14 @@ static size_t count(const rp_param *schema)
 
 void cli_options_of(cli_call *call, const cli_command *command)
 {
-    const rp_param *const lists[] = {command->protocol, command->options ? command->options() : NULL,
-                                     command->prints_text ? NULL : generic_options};
-    const size_t at[] = {0, command->protocol_size, command->protocol_size + size_of(lists[1])};
+    const rp_param *const lists[] = {command->protocol, command->options ? command->options() : NULL};
+    const size_t at[] = {0, command->protocol_size};
     size_t n = 0;
     for (size_t k = 0; k < N_OF(lists); k++) n += count(lists[k]);
     call->command = command;
     call->options = rp_arena_memory(call->arena, n, sizeof *call->options);
     call->given = rp_arena_memory(call->arena, n, sizeof *call->given);
-    call->values = rp_arena_memory(call->arena, at[2] + size_of(generic_options), 1);
-    call->n_own = count(lists[0]) + count(lists[1]);
+    call->values = rp_arena_memory(call->arena, at[1] + size_of(lists[1]), 1);
     rp_param *to = call->options;
     for (size_t k = 0; k < N_OF(lists); k++)
         for (const rp_param *p = lists[k]; p && p->name; p++, to++) {

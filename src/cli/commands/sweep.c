@@ -9,20 +9,6 @@
 
 CLI_OPTIONS(plan, PLAN_OPTIONS)
 
-static void print_planned(const cli_call *call, const char *dir, const sweep_counts *counts)
-{
-    if (!cli_given(call, "json")) {
-        fprintf(call->out, "%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", dir,
-                counts->planned, counts->points, counts->replicas, counts->stored);
-        return;
-    }
-    cli_provenance(call, call->out);
-    rp_table_note(call->out, "folder", "%s", dir);
-    rp_table_header(call->out, call->units, "runs, points, replicas, stored");
-    CLI_ROW((double)counts->planned, (double)counts->points, (double)counts->replicas,
-            (double)counts->stored);
-}
-
 static rp_status act_plan(cli_call *call, const void *values)
 {
     const plan_options *o = values;
@@ -30,7 +16,8 @@ static rp_status act_plan(cli_call *call, const void *values)
     RP_TRY(cli_claim_sweep(o->o, cli_argument(call, 0), o->force));
     RP_TRY(sweep_prepare(cli_data(call->arena, cli_argument(call, 0)), o->o,
                          o->replicas > 0 ? (size_t)o->replicas : 0, sweep_protocols, &counts));
-    print_planned(call, o->o, &counts);
+    fprintf(call->out, "%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", o->o,
+            counts.planned, counts.points, counts.replicas, counts.stored);
     return RP_OK;
 }
 
@@ -185,12 +172,7 @@ static rp_status act_digest(cli_call *call, const void *values)
     char text[33];
     size_t rows;
     RP_TRY(sweep_digest(cli_argument(call, 0), sweep_protocols, text, &rows));
-    if (!cli_given(call, "json")) return fprintf(call->out, "%s\t%zu\n", text, rows), RP_OK;
-    cli_provenance(call, call->out);
-    rp_table_note(call->out, "digest", "%s", text); /* a note is a text, even of digits alone */
-    rp_table_header(call->out, call->units, "runs");
-    CLI_ROW((double)rows);
-    return RP_OK;
+    return fprintf(call->out, "%s\t%zu\n", text, rows), RP_OK;
 }
 
 static const cli_command digest = {
@@ -198,8 +180,7 @@ static const cli_command digest = {
     "print a digest of all results",
     "DIR",
     "Digest (XXH3-128) of key, status and outputs of all rows, and the number of rows. The digest does not "
-    "depend on the number of workers or on interruptions. Exit status 1 while rows are missing. With --json, "
-    "the digest is among the notes.",
+    "depend on the number of workers or on interruptions. Exit status 1 while rows are missing.",
     "repose sweep digest build/sweeps/lh3",
     NULL,
     .refuses = "A folder without a planned sweep.",
