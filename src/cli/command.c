@@ -1,7 +1,6 @@
 /* From the words of a command line to the command, and the main function of a program; see cli.h. */
 #include "cli/cli.h"
 
-#include <fcntl.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -121,16 +120,8 @@ static char *line_of(rp_arena *arena, const char *name, int argc, char *const ar
     return line;
 }
 
-/* A stream that is closed would be the first table that is opened. Writing to standard output still fails. */
-static void hold_streams(void)
-{
-    for (int k = 0; k < 3; k++)
-        if (fcntl(k, F_GETFD) < 0) (void)!open("/dev/null", k == 2 ? O_WRONLY : O_RDONLY);
-}
-
 int cli_main(const cli_program *program, int argc, char **argv)
 {
-    hold_streams();
     signal(SIGXFSZ, SIG_IGN); /* a file that reaches the limit of its size is a failed write */
     rp_arena arena = {.exhausted = exhausted};
     cli_call call = {.arena = &arena,

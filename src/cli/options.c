@@ -3,8 +3,6 @@
 #include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
 
 #include "cli/cli.h"
 #include "params/guess.h"
@@ -32,23 +30,14 @@ const char *cli_own_name(const cli_command *c)
 
 /* ---- help ---- */
 
-/* COLUMNS, or the width of the terminal, or 80; no line that is easy to read has more than 110. */
-static int help_width(void)
-{
-    struct winsize size = {0};
-    const char *columns = getenv("COLUMNS");
-    long width = columns ? strtol(columns, NULL, 10) : 0;
-    if (width <= 0 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0) width = size.ws_col;
-    return width <= 0 ? 80 : (int)fmin(fmax((double)width, 60.0), 110.0);
-}
+enum { WIDTH = 80 };
 
 /* Words of a text from column `at` on, further lines from column `indent` on. */
 static int print_words(FILE *out, const char *text, size_t n, int at, int indent)
 {
-    const int width = help_width();
     for (const char *word = text; word < text + n;) {
         const int length = (int)strcspn(word, " \n");
-        if (at > indent && at + 1 + length > width)
+        if (at > indent && at + 1 + length > WIDTH)
             fprintf(out, "\n%*s", at = indent, "");
         else if (word > text)
             fputc(' ', out), at++;

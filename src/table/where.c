@@ -105,7 +105,6 @@ rp_status rp_table_where(rp_table *t, const char *condition)
         memmove(t->cells + kept * columns, t->cells + i * columns, columns * sizeof *t->cells);
         t->places[kept++] = t->places[i];
     }
-    t->chosen |= kept < t->n_rows;
     t->n_rows = kept;
     return RP_OK;
 }
