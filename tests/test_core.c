@@ -189,7 +189,7 @@ static void files(void)
     config_t config;
     CHECK_FAILS(rp_config_read("/no/such/file.cfg", &config), RP_BAD_INPUT, "/no/such/file.cfg: cannot read");
     config_destroy(&config);
-    CHECK_FAILS(rp_config_read("/tmp", &config), RP_BAD_INPUT, "s a directory");
+    CHECK_FAILS(rp_config_read("/tmp", &config), RP_BAD_INPUT, "is a directory");
     config_destroy(&config);
 }
 
@@ -203,9 +203,11 @@ static void syntax(void)
                          "quotes, decimal numbers with a point"},
         {"g = {\n a = 1.0;\n", ":3: syntax error at the end of the file: a value, or } ] ) expected"},
         {"g = { a = (1.0, 2.0; };", ":1: syntax error in \"g = {"},
+        {"a = 1.0; # note", ":1: a comment without the end of its line"},
+        {"a = 1.0; // note", ":1: a comment without the end of its line"},
         {"a = .;", ":1: a = 0: out of range"},
-        {"# a note\ntext = \"open;\nb = 1.0;", ": syntax error"},
-        {"text = \"open\\\"", ": syntax error"},
+        {"# a note\ntext = \"open;\nb = 1.0;", ":2: a text without its closing quote"},
+        {"text = \"open\\\"", ":1: a text without its closing quote"},
         {"a = 1.0;\n/* b = 1.0;\n", ":2: a comment without */"},
         {"a = 1.0; /*/", ":1: a comment without */"}};
     values v;
@@ -213,7 +215,7 @@ static void syntax(void)
         CHECK_FAILS(read_text(cases[i][0], &v), RP_BAD_INPUT, cases[i][1]);
 }
 
-/* What libconfig would wrap is refused, and comments and texts hold no numbers. */
+/* What libconfig would wrap or read for minutes is refused, and comments and texts hold no numbers. */
 static void whole_numbers(void)
 {
     static const char *const list[][2] = {
@@ -226,13 +228,12 @@ static void whole_numbers(void)
         {"n = 0xffffffffffffffffL;", "0xffffffffffffffffL: "},
         {"/**/n=/*\n*/2147483648", ":2: 2147483648: "},
         {"text = \"\\\"\";n = 2147483648;", "2147483648: "},
+        {"\xef\xbb\xbfn = 5;", ":1: begins with a byte-order mark"},
         {"n = 5;\nn = 6; n = 7;", ":2: duplicate setting name in \"n = 6; n = 7;\""},
         {"n = 10#3000000000\n;", NULL},
         {"n = 10//3000000000\n;", NULL},
         {"n = 0x1f;", NULL},
         {"n = 99L;", NULL},
-        {"n = 5; # note", NULL},
-        {"n = 5; // note", NULL},
         {"a = 3000000000e-9; // 1\nb = 3000000000.0; n = 5;", NULL},
         {"a = .3000000000; b = 0.3E+1;", NULL},
         {"text = \"\\\\\"; # 3000000000 \"\nn = 6; /* * 3000000000 **/", NULL},
@@ -248,6 +249,37 @@ static void whole_numbers(void)
         CHECK_FAILS(read_text(check_text("text = \"%s\";", broken[i]), &v), RP_BAD_INPUT, "in UTF-8");
     for (size_t i = 0; i < sizeof list / sizeof *list; i++)
         CHECK_FAILS_IF(list[i][1], read_text(list[i][0], &v), RP_BAD_INPUT, list[i][1]);
+}
+
+/* `before`, n times `part`, `after`. */
+static rp_status read_long(const char *before, const char *part, size_t n, const char *after)
+{
+    values v;
+    char *text = malloc(strlen(before) + n * strlen(part) + strlen(after) + 1), *end = stpcpy(text, before);
+    while (n--) end = stpcpy(end, part);
+    strcpy(end, after);
+    rp_status status = read_text(text, &v);
+    free(text);
+    return status;
+}
+
+static void large_files(void)
+{
+    config_t config;
+    CHECK_OK(read_long("n = 5;", " ", 65536, ""));
+    CHECK_FAILS(read_long("n = 5;", " ", 65537, ""), RP_BAD_INPUT, ":1: a text, comment, gap");
+    CHECK_FAILS(read_long("\nn = 5; text = \"", "x", 65536, "\";"), RP_BAD_INPUT, ":2: a text, comment, gap");
+    CHECK_FAILS(read_long("/*", "\n", 65536, "*/"), RP_BAD_INPUT, ":1: a text, comment, gap");
+    CHECK_FAILS(read_long("n = ", "0", 65537, "5;"), RP_BAD_INPUT, "a text, comment, gap");
+    CHECK_FAILS(read_long("", "n = 1;\n", 1001, ""), RP_BAD_INPUT, ":1001: more than 1000 keys in one group");
+    CHECK_FAILS(read_long("m = ", "(", 32, ""), RP_BAD_INPUT, ":1: more than 31 groups and lists");
+    CHECK_FAILS(read_long("m = ( ", "{n = 1;},\n", 2000, "{} )"), RP_BAD_INPUT, ":1: m: unknown key");
+    CHECK_FAILS(rp_config_read("/dev/zero", &config), RP_BAD_INPUT, "is no regular file");
+    config_destroy(&config);
+    const char *path = folder_path(folder, "text.cfg");
+    CU_ASSERT(truncate(path, (64 << 20) + 1) == 0);
+    CHECK_FAILS(rp_config_read(path, &config), RP_BAD_INPUT, "more than 64 MB");
+    config_destroy(&config);
 }
 
 /* Philox4x32-10 of the key and counter 0: the known answer of its authors' test vectors. */
@@ -763,5 +795,6 @@ static void exact_build(void)
 
 CHECK_SUITE_WITHIN(core, "core", enter, leave, statuses, exact_build, table_append, defaults_and_text,
                    ranges_and_units, refused_values, keys, inherited, guesses, files, syntax, whole_numbers,
-                   random_known_answer, random_streams, cut_normal, elementary, tables, table_text,
-                   table_conditions, table_forms, table_append_columns, written_files, hostile_tables)
+                   large_files, random_known_answer, random_streams, cut_normal, elementary, tables,
+                   table_text, table_conditions, table_forms, table_append_columns, written_files,
+                   hostile_tables)

@@ -934,7 +934,7 @@ static void test_bad_files(void)
     fresh("");
     unlink(file);
     CHECK_FAILS(prepare(), RP_BAD_INPUT, "s.cfg: cannot read: No such file");
-    CHECK_FAILS(sweep_prepare(base, dir, 0, toys, &c), RP_BAD_INPUT, "s a directory");
+    CHECK_FAILS(sweep_prepare(base, dir, 0, toys, &c), RP_BAD_INPUT, "is a directory");
 }
 
 #define SMALL_SWEEP "replicas = 40; fixed = { x = 2.385; };"

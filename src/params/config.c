@@ -12,12 +12,13 @@
 #include "core/file.h"
 
 /* libconfig says "syntax error" and the line, no more: this is the line, and what a parameter file is. */
-static void explain(const char *text, const char *error, int line, char hint[256])
+static void explain(const char *path, const char *error, int line, char hint[256])
 {
+    char *text = NULL;
     *hint = '\0';
     if (strstr(error, "mismatched element type"))
         strcpy(hint, ": [ ] holds one type only; write 0.0 for 0, or use ( )");
-    else if (strstr(error, "syntax error") || strstr(error, "duplicate")) {
+    else if ((strstr(error, "syntax error") || strstr(error, "duplicate")) && !rp_file_read(path, &text)) {
         const char *at = text;
         while (line-- > 1 && strchr(at, '\n')) at = strchr(at, '\n') + 1;
         if (at[strspn(at, " \t\r\n")])
@@ -29,29 +30,26 @@ static void explain(const char *text, const char *error, int line, char hint[256
         else
             strcpy(hint, " at the end of the file: a value, or } ] ) expected");
     }
+    free(text);
 }
 
 rp_status rp_config_read_text(const char *name, const char *text, config_t *config)
 {
     config_init(config);
-    RP_TRY(rp_config_scan(name, text));
+    RP_TRY(rp_config_scan_text(name, text));
     if (config_read_string(config, text) == CONFIG_TRUE) return RP_OK;
     return rp_fail(RP_BAD_INPUT, "%s:%d: %s", name, config_error_line(config), config_error_text(config));
 }
 
 rp_status rp_config_read(const char *path, config_t *config)
 {
-    char *text, hint[256];
     config_init(config);
-    rp_status status = rp_file_read(path, &text);
-    if (!status) status = rp_config_scan(path, text);
-    if (!status && config_read_file(config, path) != CONFIG_TRUE) {
-        const char *error = config_error_text(config) ? config_error_text(config) : "cannot read";
-        explain(text, error, config_error_line(config), hint);
-        status = rp_fail(RP_BAD_INPUT, "%s:%d: %s%s", path, config_error_line(config), error, hint);
-    }
-    free(text);
-    return status;
+    RP_TRY(rp_config_scan_file(path));
+    if (config_read_file(config, path) == CONFIG_TRUE) return RP_OK;
+    const char *text = config_error_text(config) ? config_error_text(config) : "cannot read";
+    char hint[256];
+    explain(path, text, config_error_line(config), hint);
+    return rp_fail(RP_BAD_INPUT, "%s:%d: %s%s", path, config_error_line(config), text, hint);
 }
 
 rp_status rp_config_fail(const config_setting_t *setting, const char *format, ...)

@@ -9,15 +9,17 @@
 #include "params/params.h"
 
 /* Read a file. Afterwards config_destroy(config), also after an error.
- * Errors: RP_BAD_INPUT (missing file, syntax, whole number above 2^31 - 1). */
+ * Errors: RP_BAD_INPUT (missing file, syntax, whole number above 2^31 - 1, too large). */
 rp_status rp_config_read(const char *path, config_t *config);
 
 /* The same of a text that is there; its errors name it so. */
 rp_status rp_config_read_text(const char *name, const char *text, config_t *config);
 
-/* Refuse what libconfig would read wrong: a whole number that does not fit an int, or a long one (5L) a long
- * long; a comment without its end; other files. `name` is for messages. Errors: RP_BAD_INPUT. */
-rp_status rp_config_scan(const char *name, const char *text);
+/* Refuse what libconfig would read wrong or without end: a whole number that does not fit an int, or a long
+ * one (5L) a long long; a text or comment without its end; more than 64 MB, 65536 bytes in a text, comment or
+ * gap, 1000 keys in a group, 31 levels; other files. `name` of a text: for messages. Errors: RP_BAD_INPUT. */
+rp_status rp_config_scan_file(const char *path);
+rp_status rp_config_scan_text(const char *name, const char *text);
 
 /* The units of the numbers in a setting's text, its key `units`: cgs where it has none. */
 rp_units rp_config_units(const config_setting_t *setting);

@@ -1,13 +1,23 @@
-/* What libconfig 1.5 reads otherwise than it stands, found in the text before: whole numbers that do not fit
- * an int, which it lets wrap, a comment without its end, which takes the rest of the file, and other files,
- * which a text that is kept would lack. */
+/* What libconfig 1.5 does not refuse by itself, found in the text before libconfig reads it: whole numbers
+ * that do not fit an int, which it lets wrap, texts and comments without an end, which take the rest of the
+ * file, other files that it would include, and sizes for which its time grows with the square. The tokens are
+ * those of libconfig's scanner. */
 #include <ctype.h>
 #include <errno.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
+#include "core/file.h"
 #include "params/config.h"
+
+/* libconfig looks for twins of a key in its whole group, and goes back to a token's start at every 8 kB. */
+enum { MOST_BYTES = 64 << 20, MOST_IN_TOKEN = 65536, MOST_KEYS = 1000, MOST_LEVELS = 32 };
+
+typedef struct {
+    size_t level, keys[MOST_LEVELS];
+} scan;
 
 /* End of a number. *fits: is it no whole number above an int, or with an L above a long long? */
 static const char *number_end(const char *p, bool *fits)
@@ -24,16 +34,16 @@ static const char *number_end(const char *p, bool *fits)
     return real_end;
 }
 
-/* End of a comment, text, number, name or other character, the tokens of libconfig; NULL for a comment
- * without end. */
+/* End of a gap, comment, text, number, name or other character; NULL for a text or comment without end. */
 static const char *token_end(const char *p, bool *fits)
 {
     const char *end;
-    if (*p == '#' || strncmp(p, "//", 2) == 0) return p + strcspn(p, "\n");
+    if (strchr(" \t\r\f", *p)) return p + strspn(p, " \t\r\f");
+    if (*p == '#' || strncmp(p, "//", 2) == 0) return strchr(p, '\n');
     if (strncmp(p, "/*", 2) == 0) return (end = strstr(p + 2, "*/")) ? end + 2 : NULL;
     if (*p == '"') {
         for (p++; *p && *p != '"'; p++) p += *p == '\\' && p[1];
-        return p + (*p == '"');
+        return *p ? p + 1 : NULL;
     }
     const size_t sign = *p == '+' || *p == '-';
     if (isdigit((unsigned char)p[sign]) || p[sign] == '.') return number_end(p, fits);
@@ -42,21 +52,69 @@ static const char *token_end(const char *p, bool *fits)
     return p;
 }
 
-rp_status rp_config_scan(const char *name, const char *text)
+/* Groups, lists and the number of keys in each. */
+static rp_status count(scan *s, char c)
 {
-    int line = 1;
-    for (const char *p = text, *end; *p; p = end) {
-        bool fits = true;
-        if ((p == text || p[-1] == '\n') && strncmp(p + strspn(p, " \t"), "@include", 8) == 0)
-            return rp_fail(RP_BAD_INPUT, "%s:%d: @include: a file must be whole in itself", name, line);
-        end = token_end(p, &fits);
-        if (!end) return rp_fail(RP_BAD_INPUT, "%s:%d: a comment without */", name, line);
-        const int shown = end - p < 40 ? (int)(end - p) : 40;
-        if (!fits)
-            return rp_fail(RP_BAD_INPUT,
-                           "%s:%d: %.*s: whole numbers go up to %d; write %.*s.0 for a larger number", name,
-                           line, shown, p, INT_MAX, shown, p);
-        for (const char *c = p; c < end; c++) line += *c == '\n';
+    if (strchr("{[(", c)) {
+        if (++s->level == MOST_LEVELS)
+            return rp_fail(RP_BAD_INPUT, "more than %d groups and lists within one another", MOST_LEVELS - 1);
+        s->keys[s->level] = 0;
+    } else if (strchr("}])", c)) {
+        s->level -= s->level > 0;
+    } else if ((c == '=' || c == ':') && ++s->keys[s->level] > MOST_KEYS) {
+        return rp_fail(RP_BAD_INPUT, "more than %d keys in one group", MOST_KEYS);
     }
     return RP_OK;
+}
+
+static rp_status scan_token(scan *s, const char *text, const char **p)
+{
+    bool fits = true;
+    const char *start = *p;
+    if ((start == text || start[-1] == '\n') && strncmp(start + strspn(start, " \t"), "@include", 8) == 0)
+        return rp_fail(RP_BAD_INPUT, "@include: a file must be whole in itself");
+    *p = token_end(start, &fits);
+    if ((*p ? *p : start + strlen(start)) - start > MOST_IN_TOKEN)
+        return rp_fail(RP_BAD_INPUT, "a text, comment, gap, name or number of more than %d bytes",
+                       MOST_IN_TOKEN);
+    if (!*p)
+        return rp_fail(RP_BAD_INPUT, "a %s",
+                       *start == '"'                  ? "text without its closing quote"
+                       : strncmp(start, "/*", 2) == 0 ? "comment without */"
+                                                      : "comment without the end of its line");
+    const int shown = *p - start < 40 ? (int)(*p - start) : 40;
+    return fits ? count(s, *start)
+                : rp_fail(RP_BAD_INPUT, "%.*s: whole numbers go up to %d; write %.*s.0 for a larger number",
+                          shown, start, INT_MAX, shown, start);
+}
+
+rp_status rp_config_scan_text(const char *name, const char *text)
+{
+    scan s = {0};
+    int line = 1;
+    if (strncmp(text, "\xef\xbb\xbf", 3) == 0)
+        return rp_fail(RP_BAD_INPUT, "%s:1: begins with a byte-order mark; save it as UTF-8 without one",
+                       name);
+    for (const char *p = text; *p;) {
+        const char *start = p;
+        RP_TRY(rp_prefix(scan_token(&s, text, &p), "%s:%d: ", name, line));
+        for (; start < p; start++) line += *start == '\n';
+    }
+    return RP_OK;
+}
+
+rp_status rp_config_scan_file(const char *path)
+{
+    struct stat info;
+    char *text = NULL;
+    const bool known = stat(path, &info) == 0;
+    if (known && !S_ISREG(info.st_mode))
+        return rp_fail(RP_BAD_INPUT, "%s: %s, a parameter file expected", path,
+                       S_ISDIR(info.st_mode) ? "is a directory" : "is no regular file");
+    if (known && info.st_size > MOST_BYTES)
+        return rp_fail(RP_BAD_INPUT, "%s: more than %d MB", path, MOST_BYTES >> 20);
+    rp_status status = rp_file_read(path, &text);
+    if (!status) status = rp_config_scan_text(path, text);
+    free(text);
+    return status;
 }
