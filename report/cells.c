@@ -65,7 +65,7 @@ rp_status report_reference_read(rp_arena *arena, const char *text, report_refere
         r->column = w.word[w.n - 1];
         r->n = (size_t)w.n - 2;
         r->conditions = rp_arena_memory(arena, r->n, sizeof *r->conditions);
-        for (size_t i = 0; i < r->n; i++) RP_TRY(rp_condition_read(w.word[i + 1], &r->conditions[i]));
+        for (size_t i = 0; i < r->n; i++) r->conditions[i] = w.word[i + 1];
     }
     *reference = first;
     return less ? report_reference_read(arena, less + 6, &first->less) : RP_OK;
@@ -77,7 +77,8 @@ rp_status report_rows(report_tables *tables, const report_reference *r, const rp
     if (!*table) return RP_OK;
     *rows = rp_arena_memory(tables->arena, (*table)->n_rows, sizeof **rows);
     memset(*rows, true, (*table)->n_rows);
-    return rp_conditions_mark(*table, r->n, r->conditions, *rows);
+    for (size_t i = 0; i < r->n; i++) RP_TRY(rp_rows_mark(*table, r->conditions[i], *rows));
+    return RP_OK;
 }
 
 /* ---- cells ---- */

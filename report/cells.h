@@ -32,12 +32,12 @@ report_words report_split(rp_arena *arena, const char *text);
 typedef struct report_reference {
     const char *text, *table, *column;
     size_t n;
-    rp_condition *conditions;
+    const char **conditions;
     struct report_reference *next; /* pooled with this one; NULL: the last */
     struct report_reference *less; /* of the first: what is taken off; NULL: nothing */
 } report_reference;
 
-/* Errors: RP_BAD_INPUT (no column, no condition). */
+/* Errors: RP_BAD_INPUT (no column). */
 rp_status report_reference_read(rp_arena *arena, const char *text, report_reference **reference);
 
 /* Which rows a reference reads, *table NULL where no folder holds it. Errors: RP_BAD_INPUT (no such

@@ -15,38 +15,40 @@ CLI_OPTIONS(joint, JOINT_OPTIONS)
 typedef struct {
     const rp_table *table;
     int n_keys;
-    const rp_condition **at;
+    const char **at;
 } joint_points;
 
+static bool is_on(const char *condition, const char *column)
+{
+    const size_t n = strcspn(condition, "<>=!");
+    return strncmp(condition, column, n) == 0 && !column[n];
+}
+
 /* What a claim's cell says of a column; NULL: nothing. */
-static const rp_condition *condition_on(const report_claim *c, const char *column)
+static const char *condition_on(const report_claim *c, const char *column)
 {
     for (size_t i = 0; i < c->answers->n; i++)
-        if (strcmp(c->answers->conditions[i].column, column) == 0) return &c->answers->conditions[i];
+        if (is_on(c->answers->conditions[i], column)) return c->answers->conditions[i];
     return NULL;
 }
 
 /* What the file of claims says of the settings of a paper. */
-static rp_status read_settings(rp_arena *arena, const report_claims *all, const char *paper, joint_points *p)
+static void read_settings(rp_arena *arena, const report_claims *all, const char *paper, joint_points *p)
 {
     const char *usual = rp_table_find_note(all->table, rp_text(arena, "at %s", paper));
     const report_words words = report_split(arena, usual ? usual : "");
     p->at = rp_arena_memory(arena, (size_t)p->n_keys, sizeof *p->at);
-    for (int w = 0; w < words.n; w++) {
-        rp_condition *condition = rp_arena_memory(arena, 1, sizeof *condition);
-        RP_TRY(rp_condition_read(words.word[w], condition));
+    for (int w = 0; w < words.n; w++)
         for (int k = 0; k < p->n_keys; k++)
-            if (strcmp(condition->column, p->table->names[k]) == 0) p->at[k] = condition;
-    }
-    return RP_OK;
+            if (is_on(words.word[w], p->table->names[k])) p->at[k] = words.word[w];
 }
 
 /* The rows of the setting of a claim. */
 static rp_status mark_setting(const report_claim *c, const joint_points *p, bool rows[])
 {
     for (int k = 0; k < p->n_keys; k++) {
-        const rp_condition *said = p->at[k] ? condition_on(c, p->table->names[k]) : NULL;
-        if (p->at[k]) RP_TRY(rp_conditions_mark(p->table, 1, said ? said : p->at[k], rows));
+        const char *said = p->at[k] ? condition_on(c, p->table->names[k]) : NULL;
+        if (p->at[k]) RP_TRY(rp_rows_mark(p->table, said ? said : p->at[k], rows));
     }
     return RP_OK;
 }
@@ -69,7 +71,7 @@ static rp_status print_joint(cli_call *call, const void *values)
         return rp_fail(RP_BAD_INPUT, "claim %s: a joint one of at most %zu expected", o->id, N_OF(claims));
     for (p.n_keys = 0; !rp_ends_in(p.table->names[p.n_keys], "_mean"); p.n_keys++)
         if ((size_t)p.n_keys + 1 == p.table->n_columns) break;
-    RP_TRY(read_settings(arena, &all, joint->paper, &p));
+    read_settings(arena, &all, joint->paper, &p);
     bool **rows = rp_arena_memory(arena, (size_t)ids.n, sizeof *rows);
     for (int i = 0; i < ids.n; i++) {
         RP_TRY(report_claims_find(&all, ids.word[i], &claims[i]));

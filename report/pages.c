@@ -292,9 +292,7 @@ const cli_command report_page = {
     "  {{value T k=v COL}}          value +- standard error\n"
     "  {{cell T k=v COL FORMAT}}    the cell itself, in the format given (%.Ng or %.Nf)\n"
     "  {{note T KEY}}               a header line of the table\n"
-    "  {{rows T k=v ... | COL ...}} one line of a table for each row; COL:FORMAT, COL:+- for value +- "
-    "error;\n"
-    "                               key=FROM:TO for a range\n"
+    "  {{rows T k=v ... | COL ...}} one line of a table for each row; COL:FORMAT, COL:+- for value +- error\n"
     "  {{published ID}}             the number that the paper gives\n"
     "  {{ours ID}}                  our number, as a claim compares it\n"
     "  {{difference ID}}            that number less what it is compared with\n"
@@ -308,5 +306,4 @@ const cli_command report_page = {
     "report page report/text/paper-repro.md.in -o paper-repro.md",
     page_params,
     .refuses = "A place with an unknown word, or whose table has no such row or column.",
-    .prints_text = true,
     .act = fill_page};

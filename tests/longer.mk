@@ -1,5 +1,5 @@
 # What takes long, or needs programs that `make setup` does not install.
-.PHONY: fuzz analyze drill changes mutate check-slurm check-readers check-arm64 check-report studies
+.PHONY: fuzz analyze drill changes mutate check-readers check-arm64 check-report studies
 fuzz: ## every reader by libFuzzer, with clang: make fuzz FOR=60 (seconds each), FOR=runs=100000, TARGETS='scene line'
 	@sh tests/fuzz/fuzz.sh $(B) $(or $(FOR),60) $(JOBS) $(TARGETS)
 analyze: $(REPOSE) ## gcc -fanalyzer, cppcheck, clang-tidy, scan-build, valgrind, against the list in tests/analyze.txt
@@ -10,8 +10,6 @@ changes: $(B)/check $(REPOSE) $(REPORT) ## small changes of each kind: each pass
 	@sh tests/changes/changes.sh $(B) $(CHANGES)
 mutate: | $(SETUP_FIRST) ## changes models, statistics, commands and figures line by line: do the tests see it? MUTANTS=300, SEED=0 draws them
 	@sh tests/mutate/mutate.sh $(B) $(or $(MUTANTS),300) $(JOBS) $(or $(SEED),0)
-check-slurm: $(REPOSE) ## sweeps on a real Slurm, here: a controller and two virtual nodes; as root, installs Slurm
-	@bash tests/slurm/slurm.sh $(REPOSE) $(B)/slurm
 check-readers: $(REPOSE) $(B)/check ## exports read by LAMMPS, VTK and pandas; as root, installs them
 	@sh tests/setup.sh lammps python3-vtk9 python3-pandas
 	@REPOSE=$(REPOSE) $(B)/check export

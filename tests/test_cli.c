@@ -85,7 +85,6 @@ static void test_wrong_usage(void)
     static const failure list[] = {
         {64, "unknown command \"frob\"", "frob"},
         {64, "t: stands twice", "stats fit a t t -x x -y y"},
-        {64, "--json is of standard output", "sweep export d --json -o f.json"},
         {64, "unknown command \"frob\"", "angle frob"},
         {64, "--threshold can't be combined with --o; it allows the outline",
          "pile --base 9 --eps 1e-4 --threshold -o d"},
@@ -124,129 +123,6 @@ static void test_wrong_usage(void)
         {64, "usage: repose run SCENE.cfg", "run"},
         {64, "-o: empty; leave it out", "run s.cfg -o ''"}};
     CHECK_FAILURES(list);
-}
-
-/* A job of the array makes one shard; the commands for other schedulers make the same shards. */
-static void test_slurm(void)
-{
-    static const failure list[] = {
-        {65, "--time 1:00:00 and --mem 1G expected", "sweep slurm d --shards 2 --time '1h'"},
-        {65, "--time 1:00:00 and --mem 1G expected", "sweep slurm d --shards 2 --mem '1 G'"},
-        {65, "--shards 1001: Slurm takes arrays of up to 1000 tasks, unless its MaxArraySize is raised; give",
-         "sweep slurm d --shards 1001"},
-        {65, "array.sh: is there; give another name, or --force", "sweep slurm d --shards 6"},
-        {65, "none: no such folder", "sweep slurm none --shards 2"},
-        {65, "empty: no sweep.cfg", "sweep slurm empty --shards 2"}};
-    static char script[4096];
-    char folder[512], program[512];
-    write_text("s.cfg", "protocol = \"pile\"; replicas = 9; fixed = { base = 4; };\n");
-    GOOD("sweep plan s.cfg -o d");
-    GOOD("sweep slurm d --shards 7 -j 3 --time 0:30:00 --mem 2G");
-    CU_ASSERT_FATAL(shell("printf %s $(realpath d) >folder; printf %s $(realpath \"$REPOSE\") >program") ==
-                    0);
-    slurp("folder", folder, sizeof folder);
-    slurp("program", program, sizeof program);
-    slurp("d/array.sh", script, sizeof script);
-    SHELL("rm d/array.sh; \"$REPOSE\" sweep slurm d --shards 1000 >most && grep -q -- '^#SBATCH "
-          "--array=1-1000$' d/array.sh");
-    CU_ASSERT_STRING_EQUAL(out, check_text("sbatch %s/array.sh\nparallel -q --sshlogin HOST1,HOST2 %s sweep "
-                                           "run %s --shard {}/7 -j 3 ::: $(seq 7)\nrepose sweep merge %s\n",
-                                           folder, program, folder, folder));
-    CHECK_PARTS(script,
-                "#SBATCH --array=1-7\n#SBATCH --cpus-per-task=3\n#SBATCH "
-                "--time=0:30:00\n#SBATCH --mem-per-cpu=2G\n",
-                check_text("exec >>%s/shards/$SLURM_ARRAY_TASK_ID-of-7.log 2>&1\n%s sweep run %s --shard "
-                           "$SLURM_ARRAY_TASK_ID/7 -j 3 &\n",
-                           folder, program, folder));
-    SHELL("mkdir empty");
-    CHECK_FAILURES(list);
-    SHELL("rmdir empty"); /* it stays as it is */
-}
-
-/* The job array, and the commands that are printed, work in folders of any name, and run nothing of it. */
-static void test_slurm_names(void)
-{
-    static const char *const names[] = {"it's", "two  words", "a;touch hit", "$(touch hit)", "`touch hit`",
-                                        "100%", "\"x\" & y",  "x[1]",        "y?",           "*"};
-    write_text("s.cfg", "protocol = \"pile\"; replicas = 4; fixed = { base = 4; };\n");
-    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
-        write_text("name", "%s", names[k]);
-        const char script[] =
-            "d=\"$(cat name)\"; \"$REPOSE\" sweep plan s.cfg -o \"$d\" >out 2>err || exit 1; \"$REPOSE\" "
-            "sweep slurm \"$d\" --shards 2 >said 2>>err || exit 2; SLURM_ARRAY_TASK_ID=1 bash "
-            "\"$d/array.sh\" || exit 3; sed -n 's/^parallel -q --sshlogin HOST1,HOST2 //; s/{}/2/; s/ ::: "
-            ".*//; 2p' said >second; sh second >out 2>>err || exit 4; sed -n 's/^repose/\"$REPOSE\"/; 3p' "
-            "said >third; REPOSE=\"$REPOSE\" sh third >out 2>>err || exit 5; sh -c \"$(sed -n "
-            "'s/^sbatch/test -f/; 1p' said)\" || exit 6; test -s \"$d/shards/1-of-2.log\" || exit 7; ! ls "
-            "hit >>out 2>&1";
-        const int status = shell(script);
-        CHECK_OR_SAY(status == 0, "sweep slurm in \"%s\": step %d: %s", names[k], status, err);
-    }
-}
-
-int repose_main(int argc, char **argv); /* of tests/fuzz/targets.c */
-
-/* The text between two others, from there on; moves behind it. */
-static char *between(const char **at, const char *before, const char *after)
-{
-    const char *from = strstr(*at, before), *end = from ? strstr(from + strlen(before), after) : NULL;
-    CU_ASSERT_PTR_NOT_NULL_FATAL(end);
-    *at = end + strlen(after);
-    return strndup(from + strlen(before), (size_t)(end - from) - strlen(before));
-}
-
-/* Random names of folders: in the job array, and in the commands that are printed, the shell reads each as
- * one word, and as that name. */
-static void test_random_folders(void)
-{
-    enum { NAMES = 1000, WORDS = 5 };
-    scoped_rng *rng = numbers_of(2385, 8);
-    char root[FOLDER_PATH], name[NAMES][NUMBERS_TEXT];
-    folder_make_in_memory("folders", root);
-    FILE *words = file_of("words.sh");
-    for (int k = 0; k < NAMES; k++) {
-        int end = 0;
-        numbers_text(rng, "/", name[k]);
-        char *folder = (char *)check_text("%s/x%.*s", root, NUMBERS_TEXT, name[k]);
-        mkdir(folder, 0777); /* some names come twice */
-        fclose(fopen(folder_path(folder, "sweep.cfg"), "a"));
-        fflush(words);
-        const pid_t child = fork();
-        if (child == 0) {
-            char *line[] = {"repose", "sweep", "slurm", folder, "--shards", "2", "--force", NULL};
-            if (chdir(root) != 0 || !freopen("said", "w", stdout)) _exit(99);
-            exit(repose_main(7, line));
-        }
-        CU_ASSERT(waitpid(child, &end, 0) == child && end == 0);
-        size_t n;
-        scoped char *script = file_read(folder_path(folder, "array.sh"), &n);
-        scoped char *said = file_read(folder_path(root, "said"), &n);
-        const char *at = script, *then = said;
-        said[n - 1] = '\0'; /* the end of the last line */
-        scoped char *log = between(&at, "exec >>", "/shards/$SLURM_ARRAY_TASK_ID-of-2.log 2>&1\n"),
-                    *array = between(&at, " sweep run ", " --shard $SLURM_ARRAY_TASK_ID/2 -j 1 &\n"),
-                    *submit = between(&then, "sbatch ", "\nparallel -q --sshlogin HOST1,HOST2 "),
-                    *part = between(&then, " sweep run ", " --shard {}/2 -j 1 ::: $(seq 2)\n");
-        const char *merge = strstr(then, "repose sweep merge ");
-        CU_ASSERT_PTR_NOT_NULL_FATAL(merge);
-        fprintf(words, "printf '%%s\\0' %s %s %s %s %s\n", log, array, submit, part,
-                merge + strlen("repose sweep merge "));
-    }
-    fclose(words);
-    SHELL("sh words.sh >read 2>err && ! ls hit >out 2>>err");
-    CU_ASSERT(access(folder_path(root, "hit"), F_OK) != 0);
-    size_t n;
-    scoped char *read = file_read(path_of("read"), &n);
-    const char *word = read;
-    for (int k = 0; k < NAMES; k++)
-        for (int w = 0; w < WORDS; w++, word += strlen(word) + 1) {
-            const char *folder =
-                check_text("%s/x%.*s%s", root, NUMBERS_TEXT, name[k], w == 2 ? "/array.sh" : "");
-            CU_ASSERT_FATAL(word < read + n);
-            CHECK_OR_SAY(strcmp(word, folder) == 0, "the shell reads \"%s\" for \"%s\"", word, folder);
-        }
-    CU_ASSERT(word == read + n);
-    folder_remove(root);
 }
 
 /* ---- killed ---- */
@@ -388,10 +264,9 @@ static void test_bad_scenes(void)
     static const failure changes[] = {
         {64, "--row needs a sweep", "run s.cfg --row 1"},
         {65, "frob: unknown key", "run s.cfg --set frob=1"},
-        {65, "--set:1: 4294967396: whole numbers go up to", "run s.cfg --set steps=4294967396"},
+        {65, "steps = 4294967396: out of range", "run s.cfg --set steps=4294967396"},
         {65, "steps = \"5; dt = 6\"", "run s.cfg --set 'steps=5; dt = 6'"}};
     CHECK_FAILURES(changes);
-    FAILS(65, "more than 500 bytes", "run s.cfg --set steps=%0600d", 5);
     /* entries of lists, and lists as values */
     write_text("s.cfg", "steps = 10; particles = ( " GRAIN " );\n"
                         "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },\n"
@@ -399,8 +274,8 @@ static void test_bad_scenes(void)
     FAILS(65, "walls is a list of 2 entries", "run s.cfg --set 'walls[1x].mu=1'");
     FAILS(65, "steps has no keys of its own", "run s.cfg --set 'steps.mu=1'");
     FAILS(65, "did you mean \"omega\"", "run s.cfg --set 'walls[1].omeg=3'");
-    GOOD("run s.cfg --set 'walls[1].omega=3' --set 'walls[1].velocity=(0.5, 0)' --set 'gravity=[0, -1]' -o "
-         "set");
+    GOOD("run s.cfg --set 'walls[1].omega=3' --set 'walls[1].velocity=[1/2, 0]' --set 'gravity=[0, -1]' "
+         "--set 'steps=2*(4 + 1)' -o set");
     scoped_table walls = read_table("set/walls.tsv"), grains = read_table("set/states.tsv");
     CHECK_NEAR(cell(&walls, 0, "direction_y"), 1.0, 0.0);
     CHECK_EACH(cell(&walls, 1, NAME), 1e-12, {"x", 0.5 * 10 * 5e-5}, {"direction_y", sin(3.0 * 10 * 5e-5)});
@@ -922,7 +797,7 @@ static void test_stats_trends(void)
     FAILS(64, "-y = \"x,y\": one column expected", "stats trend runs.tsv -x y -y x,y");
     write_text("runs.tsv", "x\ty\n1\t5\n2\t5\n1\t5\n2\t5\n"); /* no trend, but of round-off */
     PRINTS("\t0\t0\t0\t0\t1\t1\tnan\t0\t-\tok\n", "stats size runs.tsv -x x -y y");
-    FAILS(1, "no row", "stats trend runs.tsv -x x -y y --where 'x=1:2mm'");
+    FAILS(1, "no row", "stats trend runs.tsv -x x -y y --where 'x=1:2'");
 }
 
 static void test_stats_select(void)
@@ -939,8 +814,8 @@ static void test_stats_select(void)
     FAILS(65, "no column \"2nd\"", "stats select plain.tsv --columns 2nd");
     FAILS(65, "no column \"frob\"", "stats select a.tsv --where frob=1");
     FAILS(65, "no column \"B\" (did you mean \"b\"?); found: ", "stats select a.tsv --where B=1");
-    FAILS(65, "NAME=VALUE expected", "stats select a.tsv --where frob");
-    FAILS(65, "unknown name old", "stats select a.tsv --where 'law<old'");
+    FAILS(65, "no column \"frob\"", "stats select a.tsv --where frob");
+    FAILS(65, "no column \"old\"", "stats select a.tsv --where 'law<old'");
     write_text("p.tsv", "# eps\te\tmodes\n1e-2\t9\t3\n1e-4\t2e-4\t0\n1e-6\t2e-6\t0\n1e-8\t2e-8\t0\n");
     scoped_table t = TABLE_OF("stats fit p.tsv -x eps -y e --scale log --where modes=0");
     CU_ASSERT(t.n_rows == 1);
@@ -1303,15 +1178,11 @@ static void test_sweep(void)
 {
     write_sweep();
     PRINTS("d1: 4 runs (2 grid points x 2 replicas), 0 already stored", "sweep plan s.cfg -o d1");
-    GOOD("sweep plan s.cfg -o d1 --json");
-    CHECK_PARTS(out, "\"folder\": \"d1\"", "{\"runs\": 4, \"points\": 2, \"replicas\": 2, \"stored\": 0}");
     FAILS(1, "d1: 4 of 4 runs are missing", "sweep digest d1");
     FAILS(1, "the table is not whole: d1: 4 of 4 runs are missing", "sweep export d1 -o part.tsv");
     SHELL("test $(grep -vc '^#' part.tsv) = 1"); /* the names, and no run */
     FAILS(1, "not whole", "export d1 --to csv");
     GOOD("sweep run d1 -j 1");
-    GOOD("sweep digest d1 --json");
-    SHELL("grep -q '\"runs\": 4' out && grep -q \"$(\"$REPOSE\" sweep digest d1 | cut -f 1)\" out");
     GOOD("sweep digest d1");
     CU_ASSERT(strspn(out, "0123456789abcdef") == 32 && strcmp(out + 32, "\t4\n") == 0);
     const char *digest = check_text("%.40s", out);
@@ -1724,8 +1595,6 @@ static void test_run_stopped(void)
     write_text("many.cfg", "steps = 2000000000; fill = { N = 90; W = 2.0; H = 4.0; };\n"
                            "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n");
     GOOD("run s.cfg --every 10 -o d --force");
-    SHELL("\"$REPOSE\" run s.cfg --every 10 -o closed <&- >&- 2>&-; grep -v '^#' closed/states.tsv >out; "
-          "grep -v '^#' d/states.tsv | cmp - out");
     GOOD("run r.cfg --row 0 -o r");
     SHELL("cat d/*.tsv r/* >before");
     for (int k = 0; k < 3; k++) {
@@ -1745,12 +1614,11 @@ static void test_run_stopped(void)
 }
 
 CHECK_SUITE_WITHIN(cli, "command line", enter, leave, test_hardened, test_help, test_wrong_usage,
-                   test_bad_values, test_slurm, test_slurm_names, test_random_folders, test_killed_plans,
-                   test_bench, test_bad_scenes, test_bad_sweeps, test_sweep_or_scene, test_broken_output,
-                   test_static_models, test_angles, test_group_order, test_angle_tables, test_stress_tables,
-                   test_claims, test_families, test_pooled, test_bad_claims, test_report, test_page_frames,
-                   test_page_circles, test_stress_dip, test_cut_drops, test_stats_trends, test_stats_select,
-                   test_free_fall, test_output_folder, test_broken_run, test_sweep, test_make,
-                   test_derivations, test_settings, test_shared_piles, test_row_again, test_run_stopped,
-                   test_energy_growth, test_drag, test_run_intervals, test_run_help, test_run_scene,
-                   test_undamped_sweep, test_limits, test_stopped)
+                   test_bad_values, test_killed_plans, test_bench, test_bad_scenes, test_bad_sweeps,
+                   test_sweep_or_scene, test_broken_output, test_static_models, test_angles, test_group_order,
+                   test_angle_tables, test_stress_tables, test_claims, test_families, test_pooled,
+                   test_bad_claims, test_report, test_page_frames, test_page_circles, test_stress_dip,
+                   test_cut_drops, test_stats_trends, test_stats_select, test_free_fall, test_output_folder,
+                   test_broken_run, test_sweep, test_make, test_derivations, test_settings, test_shared_piles,
+                   test_row_again, test_run_stopped, test_energy_growth, test_drag, test_run_intervals,
+                   test_run_help, test_run_scene, test_undamped_sweep, test_limits, test_stopped)

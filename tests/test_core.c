@@ -495,8 +495,8 @@ static void table_append_columns(void)
 }
 
 /* Which of the rows 1, 2, 3, word, nan and 20 a condition keeps, as a number of their digits. Numbers are
- * compared as numbers, words as words; nan is equal to nan alone. FROM:TO is a range; smallest and largest
- * are one row. An expression holds for no row with a word or nan. A note has exactly its key. */
+ * compared as numbers, words as words; nan is equal to nan alone; smallest and largest are one row. Other
+ * comparisons hold for no row with a word or nan. A note has exactly its key. */
 static void table_conditions(void)
 {
     static const char *const cases[][2] = {{"x=2", "b"},
@@ -519,13 +519,12 @@ static void table_conditions(void)
                                            {"y=c", "c"},
                                            {"x<inf", "abcf"},
                                            {"x=inf", ""},
-                                           {"x=1:3", "abc"},
-                                           {"x=3:inf", "cf"},
                                            {"x=2.00000000001", ""},
                                            {"x=2.0000000000000001", "b"},
                                            {"x=smallest", "a"},
                                            {"x=largest", "f"},
-                                           {"x!=1:3", "def"},
+                                           {"x != 2 and not y = 'c'", "adef"},
+                                           {"(x=smallest) or y=nan or 1.5*x > 29", "af"},
                                            {"x > 1 and x <= 3", "bc"},
                                            {"x == 2 or x == 20", "bf"},
                                            {"not x < 2*1.5", "cf"},
@@ -547,9 +546,9 @@ static void table_conditions(void)
         CU_ASSERT(note && strcmp(note, "8 degrees") == 0);
         CU_ASSERT(rp_table_find_note(&t, "m") == NULL && rp_table_find_note(&t, "mu_") == NULL);
     }
-    /* a column that is no name may stand first */
+    /* a column that is no name stands in quotes */
     CHECK_OK(read_as("x/W\tW\n0.25\t4\n0.75\t5\n", &t));
-    CHECK_OK(rp_table_where(&t, "x/W<W/8"));
+    CHECK_OK(rp_table_where(&t, "'x/W' < W/8 and 'x/W'=0.25"));
     CU_ASSERT_FATAL(t.n_rows == 1);
     CU_ASSERT_STRING_EQUAL(t.cells[0], "0.25");
     /* a word that begins with a number is a word */
@@ -560,11 +559,15 @@ static void table_conditions(void)
         CU_ASSERT_FATAL(t.n_rows == 1);
         CU_ASSERT_STRING_EQUAL(t.cells[1], words[i][1]);
     }
-    static const char *const bad[][2] = {
-        {"x", "NAME=VALUE expected"},      {"=2", "NAME=VALUE expected"},
-        {"z=2", "no column \"z\""},        {"x<word", "unknown name word"},
-        {"z<2", "unknown name z"},         {"x < 2 and y = c", "no sign of an expression"},
-        {"x=2 and x<3", "write == for ="}, {"held(x > 1, 2)", "not of a table"}};
+    static const char *const bad[][2] = {{"x", "a number stands where a condition is expected"},
+                                         {"=2", "character 1: \"=\" stands where a value is expected"},
+                                         {"z=2", "no column \"z\""},
+                                         {"x<word", "character 3: t: no column \"word\""},
+                                         {"2*x = 4", "character 5: \"=\" stands where the end is expected"},
+                                         {"x=", "character 3: a value of 1 to 63 letters expected"},
+                                         {"y='c", "a value of 1 to 63 letters expected"},
+                                         {"x=2 3", "\"3\" stands where the end is expected"},
+                                         {"held(x > 1, 2)", "not of a table"}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         CHECK_FAILS(rp_table_where(&t, bad[i][0]), RP_BAD_INPUT, bad[i][1]);
 }

@@ -107,38 +107,6 @@ static void test_sweep(void)
     FAILS(64, "has no grains", "export s --to vtk -o s.pvd");
 }
 
-/* Frames without grains, before, between and after those with some. */
-static void test_empty_frames(void)
-{
-    static const char *const cases[][2] = {
-        {"o", "0 50 100 150 200 \n"}, {"o --where step=50", "50 \n"}, {"o/states.tsv", "50 150 \n"}};
-    SHELL("mkdir o >out 2>err");
-    write_text("o/states.tsv",
-               "step\tt\tid\tx\ty\tr\n50\t.5\t1\t0\t0\t1\n50\t.5\t2\t3\t0\t1\n150\t1.5\t2\t3\t0\t1\n");
-    write_text("o/energy.tsv", "step\tt\tkinetic\n0\t0\t0\n50\t.5\t0\n100\t1\t0\n150\t1.5\t0\n200\t2\t0\n");
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        SHELL("rm -f a.lammpstrj");
-        GOOD("export %s --to lammps -o a.lammpstrj", cases[k][0]);
-        SHELL("grep -A1 'ITEM: TIMESTEP' a.lammpstrj | grep '^[0-9]' | tr '\\n' ' ' >out; echo >>out");
-        CU_ASSERT_STRING_EQUAL(out, cases[k][1]);
-    }
-    GOOD("export o --to vtk -o a.pvd");
-    SHELL("grep -o 'timestep=\"[^\"]*' a.pvd | tr -dc '0-9.\\n' | tr '\\n' ' ' >out; echo >>out");
-    CU_ASSERT_STRING_EQUAL(out, "0 0.5 1 1.5 2 \n");
-    SHELL("grep -q 'NumberOfPoints=\"0\"' a_frames/grains_000004.vtp");
-    GOOD("view o -o a.svg --force");
-    SHELL("grep -q 'step 200, .*0 grains' a.svg");
-    GOOD("view o -o a.svg --force --frame step=150");
-    SHELL("grep -q '1 grains\\|1 grain' a.svg");
-    /* energies of more steps than states, with grains but at the last */
-    write_text("o/energy.tsv", "step\tt\tgrains\n0\t0\t2\n50\t.5\t2\n100\t1\t2\n150\t1.5\t1\n200\t2\t0\n");
-    SHELL("rm a.lammpstrj");
-    GOOD("export o --to lammps -o a.lammpstrj");
-    SHELL("grep -A1 'ITEM: TIMESTEP' a.lammpstrj | grep '^[0-9]' | tr '\\n' ' ' >out; echo >>out");
-    CU_ASSERT_STRING_EQUAL(out, "50 150 200 \n");
-    FAILS(65, "0 to 2", "view o -o a.svg --frame 3");
-}
-
 /* An experiment that goes back: steps rise, of its tables as of its phases. */
 static void test_back(void)
 {
@@ -373,7 +341,6 @@ static void test_text_files(void)
     GOOD("export t.tsv --to csv --columns z,z,x,x,y,z");
     file_is("out", "z,z,x,x,y,z\n1e5,1e5,1,1,.5,1e5\n\"x,y\",\"x,y\",-0,-0,nan,\"x,y\"\n-,-,+3,+3,inf,-\n");
     FAILS(65, "two columns have one name", "export t.tsv --to json --columns x,y,x");
-    FAILS(65, "two columns have one name", "stats select t.tsv --columns x,x --json");
     write_text("t.tsv", "a\tb\ntrue\tfalse\n");
     PRINTS("{\"a\": true, \"b\": false}\n]}\n", "export t.tsv --to json");
     /* columns without names have numbers */
@@ -831,7 +798,7 @@ static void test_package(void)
     CU_ASSERT(strstr(out, "theta_R by method 3: ") && *err == '\0');
 }
 
-CHECK_SUITE_WITHIN(export, "export", enter, leave, test_formats, test_sources, test_sweep, test_empty_frames,
-                   test_back, test_long_names, test_errors, test_dump_files, test_vtk_files, test_text_files,
+CHECK_SUITE_WITHIN(export, "export", enter, leave, test_formats, test_sources, test_sweep, test_back,
+                   test_long_names, test_errors, test_dump_files, test_vtk_files, test_text_files,
                    test_lammps_input, test_spins, test_held, test_input_files, test_plain_input, test_types,
                    test_laws, test_refused, test_readers, test_random_texts, test_package)

@@ -65,7 +65,6 @@ static void test_refusals(void)
         {"echo a >d/a.in", "export s.cfg --to lammps-input -o d/a.in", "d/a.in: is there"},
         {"ln -s ../side/notes d/a.svg", "view r -o d/a.svg", "d/a.svg: is there"},
         {"ln -s none d/a.tsv", "sweep export w -o d/a.tsv", "d/a.tsv: is there"},
-        {"cp -r w/. d && echo a >d/array.sh", "sweep slurm d --shards 2", "d/array.sh: is there"},
         {"echo a >d/a.tsv", "bench -n 9 --steps 1 --repeat 1 -o d/a.tsv", "d/a.tsv: is there"}};
     write_text("f.cfg", "fit = { k_x = [0.5, 2.0]; };\n");
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) refused(cases[k][0], cases[k][1], cases[k][2]);
@@ -84,9 +83,9 @@ static void test_forced(void)
     GOOD("run s.cfg -o r");
     GOOD("sweep make w.cfg -o w -j 1 --quiet");
     static const char *const commands[] = {
-        "export r --to csv -o a",    "export r --to vtk -o a.pvd", "export s.cfg --to lammps-input -o a.in",
-        "view r -o a.svg",           "sweep export w -o a",        "sweep slurm w --shards 2",
-        "bench -n 9 --steps 1 -o a", "export r --to lammps -o a"};
+        "export r --to csv -o a",   "export r --to vtk -o a.pvd", "export s.cfg --to lammps-input -o a.in",
+        "view r -o a.svg",          "sweep export w -o a",        "bench -n 9 --steps 1 -o a",
+        "export r --to lammps -o a"};
     for (size_t k = 0; k < sizeof commands / sizeof *commands; k++)
         for (int again = 0; again < 2; again++) {
             SHELL("rm -f notes && echo notes >notes && ln -sf notes a");

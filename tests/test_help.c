@@ -1,6 +1,5 @@
 /* Help, manual, completion and lists of parameters: whole texts, put together a second time from the
  * commands' own words and schemas. */
-#include <jansson.h>
 
 #include "params/expression.h"
 #include "params/units.h"
@@ -117,35 +116,33 @@ static void check_help(const cli_command *c)
     const char *variable = strcmp(typed, "report") == 0 ? "REPORT" : "REPOSE";
     option options[64];
     char start[80], text[1024], line[MOST];
-    for (int width = 60; width <= 110; width += 40) {
-        CU_ASSERT_EQUAL_FATAL(shell_line("COLUMNS=%d \"$%s\" %s --help >out 2>err", width, variable, c->name),
-                              0);
-        rest = out;
-        snprintf(start, sizeof start, "usage: %s %s ", typed, c->name);
-        if (c->group) {
-            line_is("%sCOMMAND [options]; repose %s COMMAND --help says more\n", start, c->name);
-            for (const cli_command *const *g = c->group; *g; g++)
-                line_is("  %-10s %s", own_name(*g), (*g)->summary);
-            text_ends();
-            return;
-        }
-        for (const char *from = c->synopsis; next_line(&from, line);) {
-            filled(start, line, 11, width);
-            snprintf(start, sizeof start, "       %s %s ", typed, c->name);
-        }
-        line_is("%s", "");
-        check_about(c->about, width);
-        line_is("\noptions:");
-        const size_t n = options_of(c, options);
-        for (size_t i = 0; i < n; i++) {
-            snprintf(start, sizeof start, "  %-22.39s ", options[i].typed);
-            filled(start, text_of(options[i].p, text), 25, width);
-        }
-        line_is("  %-22s this text\n\nrefuses:", "--help");
-        for (const char *from = c->refuses; next_line(&from, line);) filled("  ", line, 4, width);
-        line_is("\nexample:\n  %s", c->example);
+    enum { width = 80 };
+    CU_ASSERT_EQUAL_FATAL(shell_line("\"$%s\" %s --help >out 2>err", variable, c->name), 0);
+    rest = out;
+    snprintf(start, sizeof start, "usage: %s %s ", typed, c->name);
+    if (c->group) {
+        line_is("%sCOMMAND [options]; repose %s COMMAND --help says more\n", start, c->name);
+        for (const cli_command *const *g = c->group; *g; g++)
+            line_is("  %-10s %s", own_name(*g), (*g)->summary);
         text_ends();
+        return;
     }
+    for (const char *from = c->synopsis; next_line(&from, line);) {
+        filled(start, line, 11, width);
+        snprintf(start, sizeof start, "       %s %s ", typed, c->name);
+    }
+    line_is("%s", "");
+    check_about(c->about, width);
+    line_is("\noptions:");
+    const size_t n = options_of(c, options);
+    for (size_t i = 0; i < n; i++) {
+        snprintf(start, sizeof start, "  %-22.39s ", options[i].typed);
+        filled(start, text_of(options[i].p, text), 25, width);
+    }
+    line_is("  %-22s this text\n\nrefuses:", "--help");
+    for (const char *from = c->refuses; next_line(&from, line);) filled("  ", line, 4, width);
+    line_is("\nexample:\n  %s", c->example);
+    text_ends();
 }
 
 static void test_help(void)
@@ -154,20 +151,6 @@ static void test_help(void)
     each(cli_repose.commands, check_help);
     typed = "report";
     each(report_commands, check_help);
-    /* 80 without a number of columns; never below 60 or above 110 */
-    static const char *const same[][2] = {
-        {"", "80"}, {"0", "80"}, {"-3", "80"}, {"59", "60"}, {"111", "110"}};
-    for (size_t k = 0; k < sizeof same / sizeof *same; k++)
-        CU_ASSERT(shell_line("for c in '%s' %s; do COLUMNS=$c \"$REPOSE\" calibrate --help >help_$c 2>err; "
-                             "done; cmp help_%s help_%s >out",
-                             same[k][0], same[k][1], same[k][0], same[k][1]) == 0);
-    /* that of a terminal, but for COLUMNS */
-    if (shell("script -qec true typed </dev/null >out 2>err") != 0)
-        check_skip("no terminal of script(1), whose width counts");
-    else
-        SHELL("export REPOSE; script -qec 'stty cols 100; $REPOSE calibrate --help; COLUMNS=70 $REPOSE "
-              "calibrate --help' typed </dev/null >out; tr -d '\\r' <out >said; for c in 100 70; do "
-              "COLUMNS=$c \"$REPOSE\" calibrate --help; done >wanted; cmp said wanted >out");
 }
 
 static rp_status nothing(cli_call *call, const void *values)
@@ -185,12 +168,12 @@ static void test_room(void)
     RP_SCOPE(arena);
     cli_call call = {.arena = &arena, .program = &cli_repose};
     char name[] = "many", needed[] = "--needed";
-    cli_command c = {.name = name, .protocol = rows, .protocol_size = FAR * MANY, .prints_text = true};
+    cli_command c = {.name = name, .protocol = rows, .protocol_size = FAR * MANY};
     c.synopsis = "[options]", c.act = nothing;
     for (int i = 0; i < MANY; i++) rows[i] = (rp_param){"a", "", RP_TEXT, FAR * i, "of a", "", "", false};
     rows[3].name = long_name;
     cli_options_of(&call, &c);
-    CU_ASSERT(call.options[MANY - 1].name && !call.options[MANY].name && call.n_own == MANY);
+    CU_ASSERT(call.options[MANY - 1].name && !call.options[MANY].name);
     CU_ASSERT_STRING_EQUAL(call.options[3].name,
                            "abcdefghijklmnopqrstuvwxyz-0123456789-abcdefghijklmnopqrstuvwxyz");
     for (size_t i = 0; i < MANY; i++)
@@ -221,7 +204,7 @@ static void test_arguments(void)
                                     {0}};
     char name[] = "few", one[] = "one", two[] = "two", flag[] = "--flag", wrong[] = "--flag=3",
          letter[] = "-y", both[] = "-x3";
-    cli_command c = {.name = name, .protocol = rows, .prints_text = true, .act = nothing};
+    cli_command c = {.name = name, .protocol = rows, .act = nothing};
     RP_SCOPE(arena);
     cli_call call = {.arena = &arena, .program = &cli_repose};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
@@ -453,65 +436,33 @@ static const char *type_of(const rp_param *p)
     return words[p->type];
 }
 
-/* What is printed next: of --json a row, the next of these, else a line. */
-static json_t *rows;
-static size_t row_now;
-#define HEADING(...)                                                                                         \
-    do {                                                                                                     \
-        if (!rows) line_is(__VA_ARGS__);                                                                     \
-    } while (0)
-
-static void row_is(const char *const cells[8])
-{
-    static const char *const names[] = {"of", "kind", "name", "unit", "type", "default", "range", "meaning"};
-    const json_t *row = json_array_get(rows, row_now++);
-    CU_ASSERT_FATAL(json_object_size(row) == 8);
-    for (int i = 0; i < 8; i++) {
-        const json_t *value = json_object_get(row, names[i]);
-        char *end;
-        const double number = strtod(cells[i], &end);
-        const char *word =
-            json_is_boolean(value) ? (json_is_true(value) ? "true" : "false") : json_string_value(value);
-        const bool same = json_is_number(value) ? *cells[i] && !*end && json_number_value(value) == number
-                                                : word && strcmp(word, cells[i]) == 0;
-        CHECK_OR_SAY(same, "params --json: row %zu, %s: expected %s", row_now, names[i], cells[i]);
-    }
-}
-
-static void schema_is_listed(const char *of, const char *kind, const rp_param *schema, bool si)
+static void schema_is_listed(const rp_param *schema, bool si)
 {
     char text[64];
-    HEADING("# %-25s %-10s %-6s %-12s %-34s %s", "name", "unit", "type", "default", "range", "meaning");
+    line_is("# %-25s %-10s %-6s %-12s %-34s %s", "name", "unit", "type", "default", "range", "meaning");
     for (const rp_param *p = schema; p->name; p++) {
         const char *unit = or_dash(rp_unit(si ? RP_SI : RP_CGS, p->unit)),
                    *fallback = default_of(p, si, text);
-        if (rows)
-            row_is((const char *[]){of, kind, p->name, unit, type_of(p), fallback, or_dash(p->range),
-                                    p->meaning});
-        else
-            line_is("  %-25s %-10s %-6s %-12s %-34s %s", p->name, unit, type_of(p), fallback,
-                    p->type == RP_BOOL ? "true | false" : or_dash(p->range), p->meaning);
+        line_is("  %-25s %-10s %-6s %-12s %-34s %s", p->name, unit, type_of(p), fallback,
+                p->type == RP_BOOL ? "true | false" : or_dash(p->range), p->meaning);
     }
 }
 
 static void protocol_is_listed(const sweep_protocol *protocol, bool si)
 {
-    HEADING("# protocol %s: %s", protocol->name, protocol->about);
-    schema_is_listed(protocol->name, "parameter", protocol->schema, si);
+    line_is("# protocol %s: %s", protocol->name, protocol->about);
+    schema_is_listed(protocol->schema, si);
     if (protocol->context) {
         char also[1024] = "# for sweeps also these of a scene:";
         for (const dem_named_key *k = dem_named_keys; k->key; k++)
             if (!rp_params_find(protocol->schema, k->param.name)) strcat(strcat(also, " "), k->param.name);
-        HEADING("%s", also);
+        line_is("%s", also);
     }
-    HEADING("# outputs of protocol %s", protocol->name);
-    HEADING("# %-36s %-10s %s", "name", "unit", "meaning");
+    line_is("# outputs of protocol %s", protocol->name);
+    line_is("# %-36s %-10s %s", "name", "unit", "meaning");
     for (const sweep_output *o = protocol->outputs; o->name; o++) {
         const char *unit = or_dash(rp_unit(si ? RP_SI : RP_CGS, o->unit));
-        if (rows)
-            row_is((const char *[]){protocol->name, "output", o->name, unit, "real", "-", "-", o->meaning});
-        else
-            line_is("  %-36s %-10s %s", o->name, unit, o->meaning);
+        line_is("  %-36s %-10s %s", o->name, unit, o->meaning);
     }
 }
 
@@ -524,7 +475,7 @@ static void manual_lines(const rp_param *schema)
         for (const char *word = p->range, *end; p->manual && *word; word = *end ? end + 3 : end, k++) {
             end = word + strcspn(word, " ");
             CU_ASSERT(strlen(p->manual[k]) > 10);
-            HEADING("#   %s = %.*s: %s", p->name, (int)(end - word), word, p->manual[k]);
+            line_is("#   %s = %.*s: %s", p->name, (int)(end - word), word, p->manual[k]);
         }
     }
 }
@@ -533,8 +484,8 @@ static void scene_is_listed(bool si)
 {
     for (const dem_scene_group *g = dem_scene_schemas; g->name; g++) {
         const char *name = g > dem_scene_schemas ? g->name : "top level";
-        HEADING("# scene file, %s: %s", name, g->manual);
-        schema_is_listed("scene", name, g->schema, si);
+        line_is("# scene file, %s: %s", name, g->manual);
+        schema_is_listed(g->schema, si);
         manual_lines(g->schema);
     }
 }
@@ -542,12 +493,12 @@ static void scene_is_listed(bool si)
 static void experiments_are_listed(bool si)
 {
     for (const dem_scene_group *g = exp_groups; g->name; g++) {
-        HEADING("# experiment, %s: %s", g->name, g->manual);
-        schema_is_listed("experiment", g->name, g->schema, si);
+        line_is("# experiment, %s: %s", g->name, g->manual);
+        schema_is_listed(g->schema, si);
     }
     for (const exp_module *const *at = exp_modules; *at; at++) {
         const exp_module m = **at;
-        HEADING("# experiment, measure of = \"%s\": %s; a column is the measure's name with one of", m.name,
+        line_is("# experiment, measure of = \"%s\": %s; a column is the measure's name with one of", m.name,
                 m.about);
         for (const exp_output *o = m.outputs; o->name; o++) {
             const exp_output *first = o; /* a family of the bins stands in one line */
@@ -556,20 +507,17 @@ static void experiments_are_listed(bool si)
                    strncmp(o->name, o[1].name, stem) == 0)
                 o++;
             const char *names = check_text(o > first ? "%s to %s" : "%s", first->name, o->name);
-            HEADING("#   %-25s %-10s %s", names, or_dash(first->unit), first->meaning);
+            line_is("#   %-25s %-10s %s", names, or_dash(first->unit), first->meaning);
         }
-        schema_is_listed("experiment", m.name, m.schema, si);
+        schema_is_listed(m.schema, si);
     }
-    HEADING("# experiment, what expressions may ask for, besides lets and earlier measures: %s",
+    line_is("# experiment, what expressions may ask for, besides lets and earlier measures: %s",
             rp_expression_functions);
-    HEADING("# %-25s %-10s %-14s %s", "name", "unit", "of", "meaning");
+    line_is("# %-25s %-10s %-14s %s", "name", "unit", "of", "meaning");
     exp_word w;
     for (size_t k = 0; (w = exp_observable_at(k)).name; k++) {
         const char *unit = or_dash(rp_unit(si ? RP_SI : RP_CGS, w.unit));
-        if (rows)
-            row_is((const char *[]){"experiment", "observable", w.name, unit, "-", "-", w.of, w.meaning});
-        else
-            line_is("  %-25s %-10s %-14s %s", w.name, unit, w.of, w.meaning);
+        line_is("  %-25s %-10s %-14s %s", w.name, unit, w.of, w.meaning);
     }
 }
 
@@ -589,11 +537,11 @@ static void check_params(const char *command)
                all = !flux && !experiment && !scene;
     for (const sweep_protocol *const *p = sweep_protocols; *p && all; p++) {
         opened_is_listed(*p, si);
-        HEADING("%s", "");
+        line_is("%s", "");
     }
     if (scene || all) scene_is_listed(si);
     if (flux) opened_is_listed(&sweep_protocol_flux, si);
-    if (all) HEADING("%s", "");
+    if (all) line_is("%s", "");
     if (experiment || all) experiments_are_listed(si);
 }
 
@@ -612,21 +560,5 @@ static void test_params(void)
     FAILS(65, "(did you mean \"scene\"?)", "params scen");
 }
 
-static void test_params_json(void)
-{
-    static const char *const words[] = {"params --json", "params --json --units si", "params scene --json"};
-    for (size_t k = 0; k < 3; k++) {
-        GOOD("%s", words[k]);
-        json_t *all = json_loads(out, JSON_REJECT_DUPLICATES, NULL);
-        CU_ASSERT_PTR_NOT_NULL_FATAL(all);
-        rows = json_object_get(all, "rows");
-        row_now = 0;
-        check_params(words[k]);
-        CU_ASSERT_EQUAL(row_now, json_array_size(rows));
-        json_decref(all);
-    }
-    rows = NULL;
-}
-
 CHECK_SUITE_WITHIN(help, "help", enter, leave, test_help, test_room, test_arguments, test_manual,
-                   test_completion, test_params, test_params_json)
+                   test_completion, test_params)

@@ -1,8 +1,10 @@
-/* Every key of a scene file and of a protocol matters: changing it changes the result of some run below. So
- * does every word of a key that takes words. A key that is read and then ignored fails here, and a new key
- * without a run that it changes as well. Keys that change no result by design are listed, with the reason. */
+/* Every key of a scene file, of a phase and of a protocol matters: changing it changes the result of some run
+ * below. So does every word of a key that takes words. A key that is read and then ignored fails here, and a
+ * new key without a run that it changes as well. Keys that change no result by design are listed, with the
+ * reason. */
 #include "tests/grains.h"
 #include "tests/protocol.h"
+#include "tests/trial.h"
 
 enum { MOST_CANDIDATES = 24 };
 
@@ -132,16 +134,16 @@ static char *outcome(const char *text, const char *change)
     char *tables = NULL;
     size_t size;
     if (!status) {
-        FILE *out = open_memstream(&tables, &size);
-        fprintf(out, "%d\n", (int)dem_run(sim, scene.steps));
-        dem_write_rows(DEM_TABLE_STATES, sim, dem_step(sim), out);
-        dem_write_rows(DEM_TABLE_CONTACTS, sim, dem_step(sim), out);
-        CHECK_OK(dem_write_rows(DEM_TABLE_ENERGY, sim, dem_step(sim), out));
+        FILE *to = open_memstream(&tables, &size);
+        fprintf(to, "%d\n", (int)dem_run(sim, scene.steps));
+        dem_write_rows(DEM_TABLE_STATES, sim, dem_step(sim), to);
+        dem_write_rows(DEM_TABLE_CONTACTS, sim, dem_step(sim), to);
+        CHECK_OK(dem_write_rows(DEM_TABLE_ENERGY, sim, dem_step(sim), to));
         scoped double *forces = calloc(2 * scene.def.n_walls + 1, sizeof *forces);
         CU_ASSERT_PTR_NOT_NULL_FATAL(forces);
         grains_wall_forces(sim, forces);
-        for (size_t w = 0; w < 2 * scene.def.n_walls; w++) fprintf(out, "%.17g\t", forces[w]);
-        fclose(out);
+        for (size_t w = 0; w < 2 * scene.def.n_walls; w++) fprintf(to, "%.17g\t", forces[w]);
+        fclose(to);
     }
     return tables;
 }
@@ -190,6 +192,65 @@ static void test_scene_keys(void)
         for (const rp_param *p = g->schema; p->name; p++)
             if (!is_exception(g->name, p->name)) check_scene_key(bases, g->name, p);
     for (size_t s = 0; s < N_SCENES; s++) free(bases[s]);
+}
+
+/* ---- phases ---- */
+
+/* A grain falls onto the floor, another lies on the gate. */
+static const char phases[] =
+    "dt = 1.0e-4; gravity = (0.0, -1000.0); regions = { right = { x = (4.0, 6.0); }; };\n"
+    "walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); },\n"
+    "  { name = `gate`; point = (5.0, 1.0); direction = (0.0, 1.0); extent = (-0.5, 0.5); } );\n"
+    "particles = ( { x = 0.0; y = 0.4; r = 0.1; m = 0.01; }, { x = 5.0; y = 1.1; r = 0.1; m = 0.01; } );\n"
+    "phases = ( { name = `fall`; steps = 200; },\n"
+    "  { name = `land`; every = 20; until = `step > 310`; },\n"
+    "  { name = `twice`; repeat = 2; phases = ( { name = `pass`; steps = 30; } ); },\n"
+    "  { name = `last`; until = `step > 9000`; most = 200; } );\n"
+    "measure = ( { name = `far`; of = `moved(0.15)`; at = `land`; }, { name = `y`; of = `y`; at = `twice`; } "
+    ");\n";
+
+/* Each key of a phase, and what in the text becomes another run. */
+static const struct {
+    const char *key, *from, *to;
+} of_phases[] = {{"name", "name = `last`", "name = `late`"},
+                 {"least", "every = 20", "every = 20; least = 7"},
+                 {"every", "every = 20", "every = 35"},
+                 {"most", "most = 200", "most = 300"},
+                 {"go_on", "most = 200", "most = 200; go_on = true"},
+                 {"status", "most = 200", "most = 200; status = `late`"},
+                 {"open", "every = 20", "every = 20; open = `gate`"},
+                 {"mark", "every = 20", "every = 20; mark = false"},
+                 {"damp", "every = 20", "every = 20; damp = true"},
+                 {"from", "steps = 30", "steps = 30; from = `fall`"},
+                 {"remove", "every = 20", "every = 20; remove = `right`"},
+                 {"repeat", "repeat = 2", "repeat = 3"}};
+enum { PHASE_KEYS = sizeof of_phases / sizeof *of_phases };
+
+static bool same_ends(const trial *a, const trial *b)
+{
+    return strcmp(exp_ended(a->run)->status, exp_ended(b->run)->status) == 0 &&
+           exp_steps(a->run) == exp_steps(b->run) &&
+           memcmp(exp_values(a->run), exp_values(b->run), 2 * sizeof(double)) == 0;
+}
+
+static void phase_keys(void)
+{
+    RUN_TRIAL(base, phases, 1000, "most_last");
+    for (size_t k = 0; k < PHASE_KEYS; k++) {
+        scoped_trial now;
+        const rp_status status = read_text(&now, check_changed(phases, of_phases[k].from, of_phases[k].to));
+        if (!status) CHECK_OK(exp_start(now.plan, 7, 3, &now.run));
+        if (!status) finish(&now, 1000);
+        CHECK_OR_SAY(!status && !same_ends(&now, &base), "phases: %s: %s", of_phases[k].to,
+                     status ? rp_message() : "the same run");
+    }
+    for (const rp_param *p = exp_groups->schema; p->name; p++) {
+        size_t k = 0;
+        while (k < PHASE_KEYS && strcmp(of_phases[k].key, p->name) != 0) k++;
+        CHECK_OR_SAY(k < PHASE_KEYS, "phases.%s: no row of tests/test_keys.c", p->name);
+    }
+    check_refused(1, &(trial_change){phases, "repeat = 2", "repeat = 2; damp = true",
+                                     "damp: of a block's phases, not of the block"});
 }
 
 /* ---- protocols ---- */
@@ -312,4 +373,4 @@ static void check_protocol(const sweep_protocol *protocol)
 SWEEP_PROTOCOLS(X)
 #undef X
 
-CHECK_SUITE(keys, "keys", test_scene_keys, test_pile_keys)
+CHECK_SUITE_WITHIN(keys, "keys", enter, leave, test_scene_keys, phase_keys, test_pile_keys)

@@ -978,9 +978,6 @@ static void test_sweep_progress(void)
         const int slave = k == 0 ? dup(fileno(file)) : open(ptsname(terminal), O_RDWR | O_NOCTTY);
         dup2(slave, STDERR_FILENO);
         cli_sweep_progress(&options, false, &progress);
-        sweep_watch *watch = cli_watch(false); /* of plans of 100000 runs or more */
-        CU_ASSERT((watch != NULL) == (k == 1) && !cli_watch(true));
-        if (watch) watch("few", 9, 99999), watch("parts", 1, 100000), watch("parts", 100000, 100000);
         for (int i = 0; i < SHOWN; i++) options.watch(&shown[i], options.context);
         dup2(kept, STDERR_FILENO);
         if (k == 0) rewind(file);

@@ -7,7 +7,7 @@
 
 #include "cli/cli.h"
 
-/* Options of a command, as they are typed: those of its protocol, its own, that of all tables. */
+/* Options of a command, as they are typed: those of its protocol and its own. */
 typedef struct {
     char typed[40];
     const rp_param *p;
@@ -15,20 +15,13 @@ typedef struct {
 
 static inline size_t options_of(const cli_command *c, option options[64])
 {
-    static const rp_param json = {.name = "json",
-                                  .unit = "",
-                                  .type = RP_BOOL,
-                                  .fallback = "false",
-                                  .meaning = "print the table as JSON: header lines, units, and rows as "
-                                             "objects; nan as null"};
-    const rp_param *lists[] = {c->protocol, c->options ? c->options() : NULL,
-                               !c->prints_text ? (const rp_param[]){json, {0}} : NULL};
+    const rp_param *lists[] = {c->protocol, c->options ? c->options() : NULL};
     size_t n = 0;
-    for (size_t k = 0; k < 3; k++)
+    for (size_t k = 0; k < 2; k++)
         for (const rp_param *p = lists[k]; p && p->name; p++, n++) {
             sprintf(options[n].typed, "%s%s", p->name[1] ? "--" : "-", p->name);
             for (char *bar = options[n].typed; (bar = strchr(bar, '_'));) *bar = '-';
-            options[n].p = k < 2 ? p : &json;
+            options[n].p = p;
         }
     return n;
 }

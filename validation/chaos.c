@@ -138,7 +138,7 @@ static void any_number_of_workers(void)
         const char *dir = folder_path(base, (const char *[]){"0", "1", "2"}[k]);
         sweep_counts counts;
         size_t n;
-        CHECK_OK(sweep_prepare(file, dir, 0, sweep_protocols, NULL, &counts));
+        CHECK_OK(sweep_prepare(file, dir, 0, sweep_protocols, &counts));
         CHECK_OK(sweep_run(dir, sweep_protocols, &(sweep_options){.workers = (int[]){1, 2, 5}[k]}, &counts));
         digests[k][0] = '\0';
         CHECK_OK(sweep_digest(dir, sweep_protocols, digests[k], &n));

@@ -54,7 +54,7 @@ void cli_table(const cli_call *call, FILE *out)
 {
     char text[256];
     cli_provenance(call, out);
-    for (const rp_param *p = call->options; p < call->options + call->n_own; p++)
+    for (const rp_param *p = call->options; p->name; p++)
         if (p->type != RP_TEXT && p->type != RP_TEXTS)
             rp_table_note(out, p->name, "%s%s%s", rp_params_text(p, call->values, text, sizeof text),
                           *p->unit ? " " : "", rp_unit(call->units, p->unit));

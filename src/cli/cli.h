@@ -32,7 +32,6 @@ typedef struct {
     rp_param *options; /* of the command, with names as they are typed */
     bool *given;       /* each option: on the command line? */
     void *values;
-    size_t n_own; /* options of the command itself; those after them are of every command */
     int n_arguments;
     char *const *arguments;
 } cli_call;
@@ -81,7 +80,7 @@ void cli_table(const cli_call *call, FILE *out);
 /* Options that several commands have. */
 #define CLI_WHERE(X)                                                                                         \
     X(TEXTS, where, "", "", "",                                                                              \
-      "rows with NAME=VALUE, NAME!=VALUE, or an expression as x > 1 and y <= 2*x; several must all hold")
+      "rows that meet a condition, as floor=ends, W != 4 or x > 1 and y <= 2*x; several must all hold")
 #define CLI_BY(X, fallback, what)                                                                            \
     X(TEXT, by, "", fallback, "", "columns (a or a,b,...) whose different cells make the " what)
 #define CLI_RANGE(X, what)                                                                                   \
@@ -115,8 +114,7 @@ typedef struct cli_command {
     const struct cli_command *const *group; /* subcommands, to NULL; no `act` */
     const rp_param *protocol;               /* schema whose options come first, and the size of its values */
     size_t protocol_size;
-    bool derives;     /* a table from a table of runs, or from piles: for settings `derive` */
-    bool prints_text; /* or nothing: the others print a table, which has --json */
+    bool derives; /* a table from a table of runs, or from piles: for settings `derive` */
 } cli_command;
 
 /* The options of a command as they are typed, with their defaults, in call->options and call->values. */
@@ -208,6 +206,6 @@ static inline const char *cli_cell(const char *text)
 /* The commands, and subcommands with a file of their own. */
 extern const cli_command cmd_lattice, cmd_continuum, cmd_tent, cmd_pile, cmd_angle, cmd_stress, cmd_stats,
     cmd_run, cmd_view, cmd_sweep, cmd_export, cmd_calibrate, cmd_params, cmd_bench, cmd_help;
-extern const cli_command cmd_sweep_make, cmd_sweep_merge, cmd_sweep_slurm, cmd_angle_slope;
+extern const cli_command cmd_sweep_make, cmd_angle_slope;
 
 #endif

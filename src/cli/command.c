@@ -1,14 +1,12 @@
 /* From the words of a command line to the command, and the main function of a program; see cli.h. */
 #include "cli/cli.h"
 
-#include <fcntl.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "core/version.h"
 #include "table/where.h"
-#include "export/export.h"
 #include "params/guess.h"
 
 rp_status cli_unknown_command(const cli_program *program, const char *word, const cli_command *group)
@@ -95,55 +93,13 @@ rp_status cli_act_into(cli_call *call, rp_table *table, FILE *out)
     return status;
 }
 
-/* What is no table is printed as it is. The text is from malloc. */
-static rp_status print_as_json(const cli_call *call, char *text)
-{
-    rp_table *table;
-    int *columns;
-    size_t n;
-    if (*text != '#' && !strchr(text, '\t')) {
-        fputs(text, call->out);
-        free(text);
-        return RP_OK;
-    }
-    RP_TRY(rp_table_keep(call->arena, "--json", text, &table));
-    RP_TRY(rp_columns(call->arena, table, "all", &n, &columns));
-    return export_json(table, n, columns, call->out);
-}
-
-/* Standard output as JSON; a file that the command writes instead would stay a table. A command that fails
- * has no table. */
-static rp_status act_as_json(cli_call *call)
-{
-    char *text, message[4096];
-    size_t size;
-    const rp_param *o = rp_params_find(call->options, "o");
-    if (o && o->fallback && strcmp(o->fallback, "-") == 0 &&
-        strcmp(*(const char *const *)cli_value(call, "o"), "-") != 0)
-        return rp_fail(RP_USAGE,
-                       "--json is of standard output; repose export --to json -o FILE writes a file");
-    FILE *memory = open_memstream(&text, &size);
-    if (!memory) return rp_fail(RP_NO_MEMORY, "--json: out of memory");
-    rp_status status = cli_act_into(call, NULL, memory);
-    snprintf(message, sizeof message, "%s", rp_message());
-    const bool whole = rp_file_finish(memory, "--json") == RP_OK;
-    fclose(memory);
-    rp_status printed = whole ? RP_OK : rp_fail(RP_NO_MEMORY, "--json: out of memory");
-    if (!printed && (!status || status == RP_NO_RESULT))
-        printed = print_as_json(call, text);
-    else
-        free(text);
-    return status ? rp_fail(status, "%s", message) : printed;
-}
-
 rp_status cli_run(cli_call *call, const cli_command *command, int argc, char **argv)
 {
     bool helped;
     if (command->group) return run_among(call, command, argc, argv);
     RP_TRY(cli_parse(call, command, argc, argv, &helped));
     if (helped) return RP_OK;
-    const bool *json = cli_value(call, "json");
-    return json && *json ? act_as_json(call) : act(call, NULL);
+    return act(call, NULL);
 }
 
 /* ---- a program ---- */
@@ -164,16 +120,8 @@ static char *line_of(rp_arena *arena, const char *name, int argc, char *const ar
     return line;
 }
 
-/* A stream that is closed would be the first table that is opened. Writing to standard output still fails. */
-static void hold_streams(void)
-{
-    for (int k = 0; k < 3; k++)
-        if (fcntl(k, F_GETFD) < 0) (void)!open("/dev/null", k == 2 ? O_WRONLY : O_RDONLY);
-}
-
 int cli_main(const cli_program *program, int argc, char **argv)
 {
-    hold_streams();
     signal(SIGXFSZ, SIG_IGN); /* a file that reaches the limit of its size is a failed write */
     rp_arena arena = {.exhausted = exhausted};
     cli_call call = {.arena = &arena,

@@ -3,8 +3,6 @@
 #include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
 
 #include "cli/cli.h"
 #include "params/guess.h"
@@ -32,23 +30,14 @@ const char *cli_own_name(const cli_command *c)
 
 /* ---- help ---- */
 
-/* COLUMNS, or the width of the terminal, or 80; no line that is easy to read has more than 110. */
-static int help_width(void)
-{
-    struct winsize size = {0};
-    const char *columns = getenv("COLUMNS");
-    long width = columns ? strtol(columns, NULL, 10) : 0;
-    if (width <= 0 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0) width = size.ws_col;
-    return width <= 0 ? 80 : (int)fmin(fmax((double)width, 60.0), 110.0);
-}
+enum { WIDTH = 80 };
 
 /* Words of a text from column `at` on, further lines from column `indent` on. */
 static int print_words(FILE *out, const char *text, size_t n, int at, int indent)
 {
-    const int width = help_width();
     for (const char *word = text; word < text + n;) {
         const int length = (int)strcspn(word, " \n");
-        if (at > indent && at + 1 + length > width)
+        if (at > indent && at + 1 + length > WIDTH)
             fprintf(out, "\n%*s", at = indent, "");
         else if (word > text)
             fputc(' ', out), at++;
@@ -109,12 +98,6 @@ static void print_help(const cli_call *call)
 
 /* ---- the options of a command ---- */
 
-/* Options of every command that prints a table. */
-static const rp_param generic_options[] = {
-    {"json", "", RP_BOOL, 0, "false", "",
-     "print the table as JSON: header lines, units, and rows as objects; nan as null"},
-    {0}};
-
 /* Room for the values of a schema. */
 static size_t size_of(const rp_param *schema)
 {
@@ -133,16 +116,14 @@ static size_t count(const rp_param *schema)
 
 void cli_options_of(cli_call *call, const cli_command *command)
 {
-    const rp_param *const lists[] = {command->protocol, command->options ? command->options() : NULL,
-                                     command->prints_text ? NULL : generic_options};
-    const size_t at[] = {0, command->protocol_size, command->protocol_size + size_of(lists[1])};
+    const rp_param *const lists[] = {command->protocol, command->options ? command->options() : NULL};
+    const size_t at[] = {0, command->protocol_size};
     size_t n = 0;
     for (size_t k = 0; k < N_OF(lists); k++) n += count(lists[k]);
     call->command = command;
     call->options = rp_arena_memory(call->arena, n, sizeof *call->options);
     call->given = rp_arena_memory(call->arena, n, sizeof *call->given);
-    call->values = rp_arena_memory(call->arena, at[2] + size_of(generic_options), 1);
-    call->n_own = count(lists[0]) + count(lists[1]);
+    call->values = rp_arena_memory(call->arena, at[1] + size_of(lists[1]), 1);
     rp_param *to = call->options;
     for (size_t k = 0; k < N_OF(lists); k++)
         for (const rp_param *p = lists[k]; p && p->name; p++, to++) {

@@ -97,19 +97,6 @@ static void report(void *context, const char *format, ...)
     p->drawn = false;
 }
 
-static void draw_part(const char *what, size_t done, size_t of)
-{
-    static double next;
-    if (of < 100000 || (done < of && rp_clock() < next)) return;
-    next = rp_clock() + 0.5;
-    fprintf(stderr, "\r%zu of %zu %s%s", done, of, what, done == of ? "\n" : "");
-}
-
-sweep_watch *cli_watch(bool quiet)
-{
-    return !quiet && isatty(STDERR_FILENO) ? draw_part : NULL;
-}
-
 void cli_sweep_progress(sweep_options *options, bool quiet, cli_progress *p)
 {
     const bool terminal = isatty(STDERR_FILENO);

@@ -23,7 +23,4 @@ void cli_progress_tell(cli_progress *p, double now, const char *where, FILE *out
 /* That of a sweep, in its own time, and a line for each run that fails. */
 void cli_sweep_progress(sweep_options *options, bool quiet, cli_progress *p);
 
-/* For long preparations: progress on a terminal, unless `quiet`. */
-sweep_watch *cli_watch(bool quiet);
-
 #endif

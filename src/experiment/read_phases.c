@@ -230,6 +230,19 @@ static rp_status name_kind(exp_plan *plan, const config_setting_t *setting, cons
     return exp_add_scope(plan, EXP_KIND, plan->n_kinds++, kind), RP_OK;
 }
 
+/* What a block may say; all else is of its phases. */
+static const char of_block[] = "name if until phases repeat from go_on status";
+
+static rp_status check_block(const config_setting_t *block)
+{
+    for (size_t i = 0; i < length(block); i++) {
+        const char *key = config_setting_name(element(block, i));
+        if (rp_word_index(of_block, key) < 0)
+            return rp_config_fail(element(block, i), "%s: of a block's phases, not of the block", key);
+    }
+    return RP_OK;
+}
+
 /* The head of a phase: its own keys, and whether it is left out. */
 static rp_status name_phase(exp_plan *plan, const config_setting_t *setting, size_t block, bool has_inner)
 {
@@ -243,9 +256,7 @@ static rp_status name_phase(exp_plan *plan, const config_setting_t *setting, siz
         return rp_config_fail(setting, "name = \"%s\": up to 23 letters, digits and _ expected", p->name);
     if (exp_scope_named(plan, EXP_PHASE, p->name, strlen(p->name), NULL))
         return rp_config_fail(setting, "name = \"%s\": names two phases", p->name);
-    const config_setting_t *own = exp_has_key(setting, "least every most open mark damp remove");
-    if (has_inner && own)
-        return rp_config_fail(own, "%s: of a block's phases, not of the block", config_setting_name(own));
+    if (has_inner) RP_TRY(check_block(setting));
     if (!has_inner && p->repeat >= 0)
         return rp_config_fail(member(setting, "repeat"), "repeat: needs phases = ( ... ), a block");
     if (*p->status && !exp_is_word(p->status))

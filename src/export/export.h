@@ -16,8 +16,7 @@ char *export_word(char *text);
 /* "out/pile" of "out/pile.pvd". */
 const char *export_stem(rp_arena *arena, const char *path);
 
-/* A table in frames, the rows of equal `step`: frame k is rows first[k] to first[k + 1] - 1, none in an empty
- * frame. */
+/* A table in frames, the rows of equal `step`: frame k is rows first[k] to first[k + 1] - 1. */
 typedef struct {
     rp_table *table; /* NULL: there is no such table, and no frame */
     size_t n, *first;
@@ -48,11 +47,6 @@ typedef struct {
  * the frame with this step has, from *first on; of a table without a column of steps the first frame. */
 void export_split(rp_arena *arena, size_t n, const double step[], const double t[], export_frames *frames);
 size_t export_rows_at(const export_frames *frames, double step, size_t *first);
-
-/* Add the frames of `all` that `frames` lacks, as empty ones: all grains have left. Steps of both rise. Those
- * of rows with grains are left out: the grains have fewer frames; NULL: no row says. */
-void export_add_empty(rp_arena *arena, const export_frames *all, const double grains[],
-                      export_frames *frames);
 
 /* Step and time of a frame of grains; without a column of times the step, without one of steps its number. */
 double export_frame_step(const export_run *run, size_t frame);

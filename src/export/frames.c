@@ -32,42 +32,17 @@ const char *export_cell(const rp_table *t, size_t row, int column)
 
 /* ---- frames of a run ---- */
 
-/* Room for n frames. */
-static void make_frames(rp_arena *arena, size_t n, export_frames *f)
+void export_split(rp_arena *arena, size_t n, const double step[], const double t[], export_frames *f)
 {
-    f->n = 0;
     f->first = rp_arena_memory(arena, n + 1, sizeof *f->first);
     f->steps = rp_arena_memory(arena, n, sizeof *f->steps);
     f->times = rp_arena_memory(arena, n, sizeof *f->times);
-}
-
-static void put_frame(export_frames *f, double step, double t, size_t first)
-{
-    f->steps[f->n] = step, f->times[f->n] = t;
-    f->first[f->n++] = first;
-}
-
-void export_split(rp_arena *arena, size_t n, const double step[], const double t[], export_frames *f)
-{
-    make_frames(arena, n, f);
-    for (size_t i = 0; i < n; i++)
-        if (i == 0 || !(step[i] == step[i - 1] || isnan(step[i]))) put_frame(f, step[i], t[i], i);
-    f->first[f->n] = n;
-}
-
-void export_add_empty(rp_arena *arena, const export_frames *all, const double grains[], export_frames *frames)
-{
-    const export_frames f = *frames;
-    make_frames(arena, f.n + all->n, frames);
-    for (size_t i = 0, k = 0; i < f.n || k < all->n;) {
-        const bool lacks = i == f.n || (k < all->n && all->steps[k] < f.steps[i]);
-        const double step = lacks ? all->steps[k] : f.steps[i];
-        if (!lacks || !(grains && grains[all->first[k]] > 0.0))
-            put_frame(frames, step, lacks ? all->times[k] : f.times[i], f.first[i]);
-        i += !lacks;
-        while (k < all->n && all->steps[k] <= step) k++;
+    for (size_t i = 0; i < n; i++) {
+        if (i > 0 && (step[i] == step[i - 1] || isnan(step[i]))) continue;
+        f->steps[f->n] = step[i], f->times[f->n] = t[i];
+        f->first[f->n++] = i;
     }
-    frames->first[frames->n] = f.first[f.n];
+    f->first[f->n] = n;
 }
 
 size_t export_rows_at(const export_frames *f, double step, size_t *first)
@@ -212,13 +187,6 @@ rp_status export_run_read(rp_arena *arena, const char *source, rp_table *table, 
     RP_TRY(find_frames(arena, table, &run->grains));
     RP_TRY(find_grains(arena, run, columns));
     if (run->grains.n == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", source);
-    export_frames energies = {0}; /* also of frames without grains */
-    RP_TRY(read_beside(arena, source, "energy.tsv", &energies));
-    const int count = energies.table ? rp_table_column(energies.table, "grains") : -1;
-    double *grains = count < 0 ? NULL : rp_arena_memory(arena, energies.table->n_rows, sizeof *grains);
-    for (size_t i = 0; grains && i < energies.table->n_rows; i++)
-        grains[i] = strtod(rp_cell(energies.table, i, count), NULL);
-    if (run->grains.step >= 0 && !table->chosen) export_add_empty(arena, &energies, grains, &run->grains);
     RP_TRY(read_beside(arena, source, "contacts.tsv", &run->contacts));
     RP_TRY(read_beside(arena, source, "walls.tsv", &run->walls));
     const rp_table *tables[] = {run->grains.table, run->contacts.table, run->walls.table};

@@ -145,12 +145,7 @@ static rp_status set_computed(const config_setting_t *setting, const rp_param *p
     const bool word = param->type == RP_CHOICE;
     RP_TRY(word && !rp_lets_has(setting, text) && !strpbrk(text, "?'(") ? RP_NO_RESULT
                                                                         : rp_lets_value(setting, text, &is));
-    const bool whole = is.type == RP_X_NUMBER && param->type == RP_INT &&
-                       fabs(is.value) <= 9007199254740992.0 && is.value == floor(is.value);
-    const rp_value value = is.type == RP_X_WORD    ? (rp_value){.kind = RP_V_TEXT, .s = is.word}
-                           : is.type == RP_X_TRUTH ? (rp_value){.kind = RP_V_BOOL, .i = is.value != 0.0}
-                           : whole                 ? (rp_value){.kind = RP_V_INT, .i = (long)is.value}
-                                                   : (rp_value){.kind = RP_V_REAL, .r = is.value};
+    const rp_value value = rp_x_value(is.type, is.value, is.word);
     if (!isfinite(is.value) && param->type == RP_REAL) { /* what is infinite has its word, if there is one */
         char spelt[64];
         rp_params_text(&(rp_param){.type = RP_REAL, .range = param->range}, &is.value, spelt, sizeof spelt);

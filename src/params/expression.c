@@ -207,7 +207,8 @@ static rp_status next(x_reader *r)
         r->sort = T_SIGN, end++;
         for (size_t k = 0; k < 4; k++)
             if (strncmp(r->begins, pairs[k], 2) == 0) end = r->begins + 2;
-        if (!strchr("+-*/^()<>?:,=!", *r->begins) || (end == r->begins + 1 && strchr("=!", *r->begins)))
+        if (!strchr("+-*/^()<>?:,=!", *r->begins) ||
+            (end == r->begins + 1 && strchr(r->names->cell ? "!" : "=!", *r->begins)))
             return fail_at(r, r->begins, "\"%.1s\" is no sign of an expression", r->begins);
     }
     if (end - r->begins >= MOST_WORD) return fail_at(r, r->begins, "a name or number too long");
@@ -295,7 +296,8 @@ static rp_status take_name(x_reader *r, x_part *part, const char *name, int n_ar
     bool known = false;
     for (int k = 0; k < 3 && n_args < 0 && kind == X_NAME; k++)
         if (strcmp(name, constants[k].name) == 0) return add_number(r, part, RP_X_NUMBER, constants[k].value);
-    RP_TRY(place(r, part->begins, r->names->find(r->names->host, name, n_args, &symbol, &known)));
+    if (r->names->find)
+        RP_TRY(place(r, part->begins, r->names->find(r->names->host, name, n_args, &symbol, &known)));
     if (!known) return fail_unknown(r, part->begins, name, n_args >= 0);
     part->type = symbol.type;
     r->n_truths += symbol.type == RP_X_TRUTH && !symbol.known;
@@ -386,7 +388,9 @@ static rp_status read_atom(x_reader *r, x_part *part)
     if (r->sort == T_WORD) {
         snprintf(part->word, sizeof part->word, "%.*s", (int)strlen(name) - 2, name + 1);
         part->type = RP_X_WORD;
-        return next(r);
+        RP_TRY(next(r));
+        memcpy(name, part->word, sizeof name);
+        return r->names->cell ? take_name(r, part, name, -1, X_NAME) : RP_OK;
     }
     if (r->sort == T_NAME && strcmp(name, "and") != 0 && strcmp(name, "or") != 0) {
         RP_TRY(next(r));
@@ -441,6 +445,32 @@ static rp_status read_comparison(x_reader *r, x_part *part)
     return read_level(r, COMPARISON, part);
 }
 
+/* Is the part a column alone, before = or != ? */
+static bool is_cell(const x_reader *r, const x_part *part)
+{
+    return r->names->cell && (is_sign(r, "=") || is_sign(r, "!=")) && r->n == part->start + 1 &&
+           r->steps[part->start].kind == X_NAME;
+}
+
+/* The text that the cell of a column is compared with, after = or != */
+static rp_status read_cell(x_reader *r, x_part *part)
+{
+    char text[MOST_WORD];
+    const bool differs = is_sign(r, "!=");
+    const char *cell = r->at + strspn(r->at, " ");
+    const size_t quote = *cell == '\'', n = strcspn(cell + quote, quote ? "'" : " )");
+    if (n == 0 || n >= sizeof text || (quote && cell[n + 1] != '\''))
+        return fail_at(r, cell, "a value of 1 to %d letters expected", MOST_WORD - 1);
+    snprintf(text, sizeof text, "%.*s", (int)n, cell + quote);
+    rp_x_step *step = &r->steps[part->start];
+    step->id = r->names->cell(r->names->host, step->id, text);
+    if (step->id < 0) return fail_at(r, part->begins, "too many comparisons");
+    part->type = RP_X_TRUTH;
+    r->at = cell + n + 2 * quote;
+    RP_TRY(next(r));
+    return differs ? add(r, part, (rp_x_step){.kind = X_NOT}) : RP_OK;
+}
+
 /* Operators of one priority, from left to right; of comparisons one. */
 static rp_status read_level(x_reader *r, int priority, x_part *part)
 {
@@ -448,6 +478,7 @@ static rp_status read_level(x_reader *r, int priority, x_part *part)
     if (priority == COMPARISON && is_sign(r, "not"))
         return read_prefix(r, part, X_NOT, RP_X_TRUTH, read_comparison);
     RP_TRY(read_level(r, priority + 1, part));
+    if (priority == COMPARISON && is_cell(r, part)) return read_cell(r, part);
     for (;;) {
         x_kind op = X_OR;
         x_part right;

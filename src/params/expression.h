@@ -29,13 +29,17 @@ typedef struct {
 /* The names of one place in a text. */
 typedef struct {
     void *host;
-    /* *known: whether there is such a name. n_args is that of a call, -1 of a name alone. Errors: what speaks
-     * against the name in this place. */
+    /* NULL: there are none. *known: whether there is such a name. n_args is that of a call, -1 of a name
+     * alone. Errors: what speaks against the name in this place. */
     rp_status (*find)(void *host, const char *name, int n_args, rp_x_symbol *symbol, bool *known);
     void (*list)(void *host, rp_guess *guess); /* tries every name, for "did you mean"; NULL: none */
     bool measure;                              /* atan, exp, log and change are allowed */
     /* A function of n known numbers, whose value is known too; NULL: there is none. Errors as of find. */
     rp_status (*call)(void *host, const char *name, int n, const double args[], double *value, bool *known);
+    /* Names are columns of a table, also in quotes, and NAME=VALUE or NAME!=VALUE compares a cell with a
+     * text, as it stands up to a blank, or in quotes: the id of the truth that it is equal, of a name's id;
+     * -1: too many. NULL: = is no sign. */
+    int (*cell)(void *host, int id, const char *text);
 } rp_x_names;
 
 typedef struct rp_x_step rp_x_step;

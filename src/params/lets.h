@@ -51,6 +51,9 @@ void rp_lets_list(void *lets, rp_guess *guess);
  * RP_BAD_INPUT, with the expression and the character; without lets RP_NO_RESULT and no message. */
 rp_status rp_lets_value(const config_setting_t *setting, const char *text, rp_x_symbol *value);
 
+/* A value as a setting has it: whole numbers are such, where doubles tell them apart. */
+rp_value rp_x_value(rp_x_type type, double value, const char *word);
+
 /* Is this a name of the text that the setting is of? */
 bool rp_lets_has(const config_setting_t *setting, const char *name);
 

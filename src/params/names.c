@@ -62,6 +62,15 @@ rp_status rp_lets_value(const config_setting_t *setting, const char *text, rp_x_
     return RP_OK;
 }
 
+rp_value rp_x_value(rp_x_type type, double value, const char *word)
+{
+    if (type == RP_X_WORD) return (rp_value){.kind = RP_V_TEXT, .s = word};
+    if (type == RP_X_TRUTH) return (rp_value){.kind = RP_V_BOOL, .i = value != 0.0};
+    return fabs(value) <= 9007199254740992.0 && value == floor(value)
+               ? (rp_value){.kind = RP_V_INT, .i = (long)value}
+               : (rp_value){.kind = RP_V_REAL, .r = value};
+}
+
 bool rp_lets_has(const config_setting_t *setting, const char *name)
 {
     const rp_lets *lets = lets_of(setting);

@@ -52,7 +52,6 @@ typedef struct {
     char *text;       /* the file's bytes, which names and cells point into */
     rp_place *places; /* of each row */
     const char *path; /* borrowed */
-    bool chosen;      /* rp_table_where (where.h) has left rows out */
 } rp_table;
 
 /* Read `path` ("-": standard input). Tabs, blanks or commas separate the cells; tabs alone do in a row that

@@ -4,37 +4,31 @@
 #include "core/arena.h"
 #include "params/expression.h"
 
-#include <ctype.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
-rp_status rp_condition_read(const char *text, rp_condition *c)
-{
-    const size_t length = strcspn(text, "<>=!"), n = strspn(text + length, "<>=!");
-    const bool cell =
-        strncmp(text + length, "!=", 2) == 0 || (text[length] == '=' && text[length + 1] != '=');
-    *c = (rp_condition){.differs = text[length] == '!', .text = text};
-    snprintf(c->column, sizeof c->column, "%.*s", (int)length, text);
-    if (length == 0 || length >= sizeof c->column || n == 0)
-        return rp_fail(RP_BAD_INPUT, "condition \"%s\": NAME=VALUE expected, or != < <= > >=", text);
-    if (cell) c->value = text + length + (c->differs ? 2 : 1);
-    if (cell && strpbrk(c->value, "<>=!"))
-        return rp_fail(RP_BAD_INPUT, "condition \"%s\": several comparisons: write == for = in all of them",
-                       text);
-    return RP_OK;
-}
+enum { MOST_CELLS = 32 };
 
-static bool is_equal(const char *cell, const char *value)
+/* A table at one row: names are its columns, and beyond them the cells that a condition compares. */
+typedef struct {
+    const rp_table *table;
+    rp_arena *arena;
+    size_t row, n;
+    struct {
+        int column;
+        const char *text;
+        size_t row; /* of smallest and largest, without a text */
+    } cells[MOST_CELLS];
+} row_of;
+
+static rp_status find_column(void *host, const char *name, int n_args, rp_x_symbol *symbol, bool *known)
 {
-    double a, b;
-    char *end;
-    if (strcmp(cell, value) == 0) return true;
-    if (!rp_text_number(cell, &a)) return false;
-    b = strtod(value, &end);
-    if (*end == ':' && end > value) return a >= b && a <= strtod(end + 1, &end) && !*end;
-    const bool near = isfinite(b) && fabs(a - b) <= 1e-12 * fabs(b);
-    return !*end && *value && (near || a == b || (isnan(a) && isnan(b)));
+    const rp_table *t = ((row_of *)host)->table;
+    int column;
+    if (n_args >= 0) return RP_OK;
+    RP_TRY(rp_table_find(t, name, NULL, &column));
+    *symbol = (rp_x_symbol){.type = RP_X_NUMBER, .id = column};
+    return *known = true, RP_OK;
 }
 
 /* The row with the smallest or the largest number of a column, the first of equal ones; n_rows: none. */
@@ -49,104 +43,68 @@ static size_t extreme_row(const rp_table *t, int column, bool largest)
     return found;
 }
 
-static rp_status mark_cells(const rp_table *t, const rp_condition *c, bool rows[])
+static int take_cell(void *host, int column, const char *text)
 {
-    int column;
-    RP_TRY(rp_table_find(t, c->column, NULL, &column));
-    const bool largest = strcmp(c->value, "largest") == 0,
-               one = !c->differs && (largest || strcmp(c->value, "smallest") == 0);
-    const size_t extreme = one ? extreme_row(t, column, largest) : 0;
-    for (size_t row = 0; row < t->n_rows; row++)
-        rows[row] &= one ? row == extreme : is_equal(rp_cell(t, row, column), c->value) != c->differs;
-    return RP_OK;
+    row_of *of = host;
+    const bool largest = strcmp(text, "largest") == 0, one = largest || strcmp(text, "smallest") == 0;
+    if (of->n == MOST_CELLS) return -1;
+    of->cells[of->n].column = column;
+    of->cells[of->n].text = one ? NULL : rp_text(of->arena, "%s", text);
+    if (one) of->cells[of->n].row = extreme_row(of->table, column, largest);
+    return (int)(of->table->n_columns + of->n++);
 }
 
-/* ---- expressions ---- */
-
-/* Columns are names. One before the first sign that is no name, as x/W, is called "column". */
-typedef struct {
-    const rp_table *table;
-    int first; /* -1: none is called so */
-    size_t row;
-} row_of;
-
-static const char FIRST[] = "column";
-
-static rp_status find_column(void *host, const char *name, int n_args, rp_x_symbol *symbol, bool *known)
+static bool is_equal(const char *cell, const char *text)
 {
-    const row_of *c = host;
-    const int column = c->first >= 0 && strcmp(name, FIRST) == 0 ? c->first : rp_table_column(c->table, name);
-    *known = n_args < 0 && column >= 0;
-    if (*known) *symbol = (rp_x_symbol){.type = RP_X_NUMBER, .key = c->table->names[column], .id = column};
-    return RP_OK;
+    double a, b;
+    if (strcmp(cell, text) == 0) return true;
+    if (!rp_text_number(cell, &a) || !rp_text_number(text, &b)) return false;
+    return a == b || (isnan(a) && isnan(b)) || (isfinite(b) && fabs(a - b) <= 1e-12 * fabs(b));
 }
 
-static void list_columns(void *host, rp_guess *guess)
+static double load(void *host, int id, const double args[])
 {
-    const rp_table *t = ((row_of *)host)->table;
-    for (size_t k = 0; k < t->n_columns; k++)
-        if (t->names[k]) rp_guess_try(guess, t->names[k]);
-}
-
-static double load_cell(void *host, int column, const double args[])
-{
-    const row_of *c = host;
+    const row_of *of = host;
+    const size_t n = of->table->n_columns, k = (size_t)id - n;
     double value;
     (void)args;
-    return rp_text_number(rp_cell(c->table, c->row, column), &value) ? value : NAN;
+    if ((size_t)id >= n)
+        return of->cells[k].text
+                   ? is_equal(rp_cell(of->table, of->row, of->cells[k].column), of->cells[k].text)
+                   : of->cells[k].row == of->row;
+    return rp_text_number(rp_cell(of->table, of->row, id), &value) ? value : NAN;
 }
 
-static bool is_name(const char *text)
-{
-    if (!isalpha((unsigned char)*text)) return false;
-    while (isalnum((unsigned char)*text) || *text == '_' || *text == '.') text++;
-    return !*text;
-}
-
-static rp_status mark_expression(const rp_table *t, const rp_condition *c, bool rows[])
+rp_status rp_rows_mark(const rp_table *t, const char *condition, bool rows[])
 {
     RP_SCOPE(arena);
-    row_of of = {.table = t, .first = rp_table_column(t, c->column)};
-    if (is_name(c->column)) of.first = -1;
-    const rp_x_names names = {.host = &of, .find = find_column, .list = list_columns};
-    const rp_x_values values = {&of, load_cell};
+    row_of of = {.table = t, .arena = &arena};
+    const rp_x_names names = {.host = &of, .find = find_column, .cell = take_cell};
+    const rp_x_values values = {&of, load};
     rp_expression e;
-    const char *text = of.first < 0 ? c->text : rp_text(&arena, "%s%s", FIRST, c->text + strlen(c->column));
-    if (!text) return RP_NO_MEMORY;
-    RP_TRY(rp_prefix(rp_expression_read_as(&arena, text, RP_X_TRUTH, &names, &e),
-                     "condition \"%s\": ", c->text));
-    double states[2] = {0.0};
+    RP_TRY(rp_prefix(rp_expression_read_as(&arena, condition, RP_X_TRUTH, &names, &e),
+                     "condition \"%s\": ", condition));
     if (e.n_states > 0)
-        return rp_fail(RP_BAD_INPUT, "condition \"%s\": held and change: not of a table's rows", c->text);
+        return rp_fail(RP_BAD_INPUT, "condition \"%s\": held is not of a table's rows", condition);
     for (of.row = 0; of.row < t->n_rows; of.row++)
-        rows[of.row] &= rp_expression_value(&e, &values, states) == 1.0;
-    return RP_OK;
-}
-
-rp_status rp_conditions_mark(const rp_table *t, size_t n, const rp_condition conditions[], bool rows[])
-{
-    for (const rp_condition *c = conditions; c < conditions + n; c++)
-        RP_TRY(c->value ? mark_cells(t, c, rows) : mark_expression(t, c, rows));
+        rows[of.row] &= rp_expression_value(&e, &values, NULL) == 1.0;
     return RP_OK;
 }
 
 rp_status rp_table_where(rp_table *t, const char *condition)
 {
-    rp_condition c;
     size_t kept = 0;
     const size_t columns = t->n_columns;
-    RP_TRY(rp_condition_read(condition, &c));
     RP_SCOPE(memory);
     bool *rows;
     RP_NEW(&memory, rows, t->n_rows);
     memset(rows, true, t->n_rows);
-    RP_TRY(rp_conditions_mark(t, 1, &c, rows));
+    RP_TRY(rp_rows_mark(t, condition, rows));
     for (size_t i = 0; i < t->n_rows; i++) {
         if (!rows[i]) continue;
         memmove(t->cells + kept * columns, t->cells + i * columns, columns * sizeof *t->cells);
         t->places[kept++] = t->places[i];
     }
-    t->chosen |= kept < t->n_rows;
     t->n_rows = kept;
     return RP_OK;
 }

@@ -162,8 +162,6 @@ rp_status view_scale_of(rp_arena *arena, const view_scene *scene, size_t first, 
     const view_frame *const from = scene->frames + first, *const end = scene->frames + last + 1;
     *s = (view_scale){.value = {INFINITY, -INFINITY}};
     s->radius = find_window(from, end, s->window);
-    if (isnan(s->radius)) /* all grains have left: the window of the earlier frames */
-        s->radius = find_window(scene->frames, scene->frames + scene->n, s->window);
     s->start[0] = s->window[0] + s->radius, s->start[1] = s->window[2] + s->radius;
     const double extent = s->window[1] - s->radius - s->start[0];
     const double wide = round(extent / (6.0 * s->radius)),

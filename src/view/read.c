@@ -85,7 +85,7 @@ static rp_status read_walls(rp_arena *arena, const char *grains, numbers *w, vie
     return RP_OK;
 }
 
-/* Times of grains and energies alone: of the others this column is another, and is not read. */
+/* Times of grains alone: of the others this column is another, and is not read. */
 static export_frames split(rp_arena *arena, const numbers *t)
 {
     export_frames f = {.step = -1};
@@ -105,9 +105,8 @@ static size_t rows_of(const export_frames *f, double step, bool one, size_t *fir
 static rp_status add_source(rp_arena *arena, const char *path, const char *color, view_scene *scene)
 {
     const char *names[] = {"?step", "?t", "x", "y", "r", "?fixed", *color ? color : NULL, NULL};
-    const char *base = rp_ends_in(path, "disks.tsv") ? export_beside(arena, path, "base.tsv") : NULL,
-               *energy = rp_ends_in(path, "states.tsv") ? export_beside(arena, path, "energy.tsv") : NULL;
-    numbers g, c, w, b, e;
+    const char *base = rp_ends_in(path, "disks.tsv") ? export_beside(arena, path, "base.tsv") : NULL;
+    numbers g, c, w, b;
     view_contact *contacts;
     view_wall *walls;
     RP_TRY(read_numbers(arena, path, names, "x y r", &g));
@@ -122,11 +121,8 @@ static rp_status add_source(rp_arena *arena, const char *path, const char *color
     snprintf(scene->length, sizeof scene->length, "%s", g.unit[2]);
     snprintf(scene->time, sizeof scene->time, "%s", g.unit[1]);
     if (*color) snprintf(scene->quantity, sizeof scene->quantity, "%s", g.unit[6]);
-    RP_TRY(read_numbers(arena, energy, (const char *const[]){"step", "t", "?grains", NULL}, "step t", &e));
-    export_frames grains = split(arena, &g);
-    const export_frames energies = split(arena, &e), of_contacts = split(arena, &c),
+    const export_frames grains = split(arena, &g), of_contacts = split(arena, &c),
                         of_walls = split(arena, &w);
-    if (grains.step >= 0) export_add_empty(arena, &energies, e.column[2], &grains);
     view_frame *frames = rp_arena_memory(arena, scene->n + grains.n, sizeof *frames);
     if (scene->n > 0) memcpy(frames, scene->frames, scene->n * sizeof *frames);
     for (size_t k = 0; k < grains.n; k++) {

@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "params/config.h"
 #include "core/file.h"
@@ -94,38 +95,24 @@ static const char *line_of(const config_setting_t *setting, const char *text)
     return text;
 }
 
-/* The setting's text among the bytes of its file, in quotes, gives way to another. */
-static rp_status rename_text(const config_setting_t *setting, const char *to, char **text)
-{
-    char quoted[4096], *made = NULL;
-    const char *from = config_setting_get_string(setting), *at = line_of(setting, *text);
-    snprintf(quoted, sizeof quoted, "\"%.4000s\"", from);
-    at = at ? strstr(at, quoted) : NULL;
-    if (!at) return rp_config_fail(setting, "experiment: a name in quotes, without \\, on one line expected");
-    if (asprintf(&made, "%.*s\"%s\"%s", (int)(at - *text), *text, to, at + strlen(quoted)) < 0)
-        return rp_fail(RP_NO_MEMORY, "experiment: out of memory");
-    free(*text);
-    *text = made;
-    return RP_OK;
-}
-
 static const config_setting_t *element(const config_setting_t *group, size_t i)
 {
     return config_setting_get_elem(group, (unsigned)i);
 }
 
-/* Open the experiment's file, beside the sweep's, or the protocol's text. */
+/* Open the experiment's file, beside the sweep's, or the protocol's text. A sweep's folder has a copy. */
 static rp_status open_experiment(const char *file, const head *h, sweep_plan *plan)
 {
     RP_SCOPE(arena);
-    const char *const name = h->experiment, *path, *slash = strrchr(file, '/');
+    const char *name = h->experiment, *path, *slash = strrchr(file, '/');
+    const int folder = slash ? (int)(slash - file) + 1 : 0;
     const config_setting_t *units = config_lookup(&plan->config, "units");
     if (*name) {
-        RP_TRY(rp_path(&arena, &path, "%.*s%s", slash && *name != '/' ? (int)(slash - file) + 1 : 0, file,
-                       name));
-        RP_TRY(rp_prefix(sweep_protocol_open(plan->protocol, path, &h->set, &plan->protocol),
-                         "%s: experiment: ", file));
-        return rename_text(config_lookup(&plan->config, "experiment"), "experiment.cfg", &plan->text);
+        RP_TRY(rp_path(&arena, &path, "%.*sstore.sqlite", folder, file));
+        if (access(path, F_OK) == 0) name = "experiment.cfg";
+        RP_TRY(rp_path(&arena, &path, "%.*s%s", *name == '/' ? 0 : folder, file, name));
+        return rp_prefix(sweep_protocol_open(plan->protocol, path, &h->set, &plan->protocol),
+                         "%s: experiment: ", file);
     }
     RP_TRY(rp_prefix(sweep_protocol_open(plan->protocol, NULL, &h->set, &plan->protocol), "%s: ", file));
     if (units && plan->protocol->units == RP_SIGMA && h->units != RP_SIGMA)

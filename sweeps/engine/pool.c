@@ -5,8 +5,8 @@
  * Runs of less than a few milliseconds are handed out in batches, so that a worker does not wait for the
  * parent between them; each comes back by itself.
  *
- * A worker that dies, or that has used no processor time for a minute, is replaced, and its run goes to the
- * end of the queue. After three tries, or at once beyond a limit, the run is aborted: a row that says why.
+ * A worker that dies is replaced, and its run goes to the end of the queue. After three tries, or at once
+ * beyond a limit, the run is aborted: a row that says why.
  *
  * A stop signal asks the workers to write a snapshot of their runs and end; a second one, or ten seconds, end
  * them. */
@@ -17,7 +17,6 @@
 #include "sweeps/engine/private.h"
 
 #include <errno.h>
-#include <gsl/gsl_sort.h>
 #include <math.h>
 #include <poll.h>
 #include <signal.h>
@@ -31,19 +30,16 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { MOST_TRIES = 3, BATCH = 32, LEARNT = 16, SAMPLES = 63 };
+enum { MOST_TRIES = 3, BATCH = 32, LEARNT = 16 };
 /* s; a batch takes less than BATCH SHORT */
-static const double TICK = 0.25, PATIENCE = 60.0, GRACE = 10.0, SLOW = 600.0, SHORT = 3e-3;
-static const double MANY = 100.0; /* times the median run: worth a line */
+static const double TICK = 0.25, GRACE = 10.0, SHORT = 3e-3;
 
 typedef struct {
     pid_t pid;
     int socket; /* -1: no process */
     size_t runs[BATCH];
-    size_t n;         /* of the runs; it is at the first */
-    bool reported;    /* as slow */
-    double elapsed;   /* of the run that it is busy with, to a tick; s */
-    double cpu, idle; /* processor time so far, and since when it has been the same; s */
+    size_t n;       /* of the runs; it is at the first */
+    double elapsed; /* of the run that it is busy with, to a tick; s */
 } worker;
 
 typedef struct {
@@ -57,7 +53,7 @@ typedef struct {
     const char *snapshots; /* folder; NULL: none */
     sweep_progress progress;
     double start, last_tick;
-    double pace, samples[SAMPLES]; /* s a run: lately, and of the last ones */
+    double pace; /* s a run, lately */
     worker *workers;
     size_t n_workers;
     volatile bool *stop; /* shared with the workers */
@@ -191,8 +187,7 @@ static rp_status hand_out(pool *p, worker *w)
         p->next = (p->next + 1) % p->n_todo;
         p->waiting--;
     }
-    w->elapsed = w->idle = 0.0;
-    w->reported = false;
+    w->elapsed = 0.0;
     /* a dead worker is noticed by its closed socket */
     if (send(w->socket, w->runs, w->n * sizeof *w->runs, MSG_NOSIGNAL) < 0 && errno != EPIPE &&
         errno != ECONNRESET)
@@ -212,7 +207,7 @@ static void show(pool *p)
 static rp_status store_row(pool *p, const sweep_row *row)
 {
     RP_TRY(sweep_store_insert(p->store, p->plan, row));
-    p->samples[p->finished++ % SAMPLES] = row->seconds;
+    p->finished++;
     p->pace += (row->seconds - p->pace) / LEARNT;
     p->progress.stored++;
     if (!rp_is_result(row->result.status)) p->progress.failed++;
@@ -276,7 +271,6 @@ static rp_status take_row(pool *p, worker *w, sweep_row *row)
     }
     memmove(w->runs, w->runs + 1, --w->n * sizeof *w->runs);
     w->elapsed = 0.0;
-    w->reported = false;
     if (row->status)
         return rp_fail(row->status, "%s: %s", name_run(p, row->run, name, sizeof name), row->result.message);
     RP_TRY(store_row(p, row));
@@ -297,64 +291,21 @@ static rp_status collect(pool *p, worker *w)
     return RP_OK;
 }
 
-/* Time that a process has had on a processor, s. */
-static double cpu_time(pid_t pid)
-{
-    clockid_t clock;
-    struct timespec t = {0};
-    if (clock_getcpuclockid(pid, &clock) == 0) clock_gettime(clock, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-/* Of the last runs; NaN before any. */
-static double median(const pool *p)
-{
-    double sorted[SAMPLES];
-    const size_t n = p->finished < SAMPLES ? p->finished : SAMPLES;
-    memcpy(sorted, p->samples, n * sizeof *sorted);
-    gsl_sort(sorted, 1, n);
-    return n > 0 ? sorted[n / 2] : NAN;
-}
-
-/* A run far beyond the others may never end: that is said once, and left to the user. */
-static void report_slow(const pool *p, worker *w)
-{
-    char name[320];
-    const double least = p->options->slow > 0.0 ? p->options->slow : SLOW;
-    if (w->reported || !p->options->report || !(w->elapsed > least) || !(w->elapsed > MANY * median(p)))
-        return;
-    w->reported = true;
-    p->options->report(p->options->context,
-                       "%s: at work for %.3g s, the median of the others is %.3g s; a limit (--time) ends "
-                       "such runs",
-                       name_run(p, w->runs[0], name, sizeof name), w->elapsed, median(p));
-}
-
-/* End runs beyond the limit of time, and workers that no longer get on: stopped, or waiting for what never
- * comes. Time in which this process was stopped itself does not count. */
+/* End runs beyond the limit of time. Time in which this process was stopped itself does not count. */
 static rp_status look_after(pool *p)
 {
     const double now = rp_clock(), passed = fmin(now - p->last_tick, 4.0 * TICK);
-    const double patience = p->options->patience > 0.0 ? p->options->patience : PATIENCE;
     rp_status status = RP_OK;
     char cause[128];
     if (passed < TICK) return RP_OK;
     p->last_tick = now;
     for (worker *w = p->workers; !status && w < p->workers + p->n_workers; w++) {
         if (w->n == 0) continue;
-        const double cpu = cpu_time(w->pid);
-        w->idle = cpu > w->cpu ? 0.0 : w->idle + passed;
-        w->cpu = cpu;
         w->elapsed += passed;
-        report_slow(p, w);
-        if (p->options->time > 0.0 && w->elapsed > p->options->time) {
-            snprintf(cause, sizeof cause, "ended after %.3g s, the limit of time is %g s", w->elapsed,
-                     p->options->time);
-            status = give_up(p, w, "time_limit", cause);
-        } else if (w->idle > patience) {
-            snprintf(cause, sizeof cause, "worker without progress for %.3g s", w->idle);
-            status = give_up(p, w, "crashed", cause);
-        }
+        if (!(p->options->time > 0.0 && w->elapsed > p->options->time)) continue;
+        snprintf(cause, sizeof cause, "ended after %.3g s, the limit of time is %g s", w->elapsed,
+                 p->options->time);
+        status = give_up(p, w, "time_limit", cause);
     }
     return status;
 }

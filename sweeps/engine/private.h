@@ -36,7 +36,7 @@ typedef struct {
     XXH128_hash_t fixed_hash; /* sum over the parameters that no axis varies */
     XXH128_hash_t *hashes; /* of each point, what stands for its parameters in keys; 0: not asked for yet */
     char model[128], fixed_json[4096]; /* the latter without its closing brace */
-    char *text;                        /* of the file; with an experiment it names the folder's copy */
+    char *text;                        /* of the file */
     config_t config;                   /* owns the texts among the parameters */
 } sweep_plan;
 

@@ -144,16 +144,13 @@ static rp_status write_text(const char *path, const char *text)
 }
 
 rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
-                        const sweep_protocol *const *protocols, sweep_watch *watch, sweep_counts *counts)
+                        const sweep_protocol *const *protocols, sweep_counts *counts)
 {
     RP_ENDS(sweep_folder_close) sweep_folder f;
     RP_TRY(name_files(dir, &f));
     RP_TRY(sweep_plan_read(file, protocols, &f.plan));
     if (replicas > 0) RP_TRY(sweep_plan_replicate(&f.plan, replicas));
-    for (size_t i = 0; i < f.plan.n_points; i++) {
-        RP_TRY(sweep_plan_check_point(&f.plan, file, i));
-        if (watch) watch("grid points checked", i + 1, f.plan.n_points);
-    }
+    for (size_t i = 0; i < f.plan.n_points; i++) RP_TRY(sweep_plan_check_point(&f.plan, file, i));
     RP_TRY(claim(&f));
     RP_TRY(lock_folder(&f, false));
     RP_TRY(sweep_store_open(f.sqlite, true, &f.store));
@@ -223,11 +220,9 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
     const bool whole = options->shards == 0;
     const size_t parts = whole ? 1 : (size_t)options->shards;
     RP_TRY(rp_check_range("workers", options->workers, 1.0, DBL_MAX, "[1, inf)"));
-    const double limits[] = {options->memory, options->time, options->patience, options->slow,
-                             options->snapshot};
+    const double limits[] = {options->memory, options->time, options->snapshot};
     for (size_t k = 0; k < sizeof limits / sizeof *limits; k++)
-        RP_TRY(
-            rp_check_range("memory, time, patience, slow or snapshot", limits[k], 0.0, INFINITY, "[0, inf]"));
+        RP_TRY(rp_check_range("memory, time or snapshot", limits[k], 0.0, INFINITY, "[0, inf]"));
     if (!whole && (options->shard < 1 || options->shard > options->shards))
         return rp_fail(RP_BAD_INPUT, "shard = %d/%d: out of range, allowed: 1/%d to %d/%d", options->shard,
                        options->shards, options->shards, options->shards, options->shards);
@@ -257,41 +252,11 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
 
 /* ---- asking ---- */
 
-/* "2,5-7 of 8": the shards that have runs to do, where the folder has shards. */
-static rp_status list_shards(sweep_folder *f, char *text, size_t size)
-{
-    RP_ENDS(rp_paths_free) rp_paths shards = {0};
-    size_t parts = 0, used = 0;
-    bool *done, *open;
-    text[0] = '\0';
-    RP_TRY(find_shards(f->shards, &shards));
-    for (size_t i = 0; i < shards.n; i++) {
-        const size_t n = strtoul(strstr(strrchr(shards.path[i], '/'), "-of-") + 4, NULL, 10);
-        if (n > parts) parts = n;
-    }
-    if (parts == 0) return RP_OK;
-    RP_NEW(&f->memory, done, f->plan.n_runs);
-    RP_NEW(&f->memory, open, parts + 2);
-    RP_TRY(sweep_store_visit(f->store, &f->plan, false, mark_run, done));
-    for (size_t r = 0; r < f->plan.n_runs; r++) open[r % parts] |= !done[r];
-    for (size_t i = 0; i < parts && used < size; i++) {
-        size_t last = i;
-        while (open[last] && open[last + 1]) last++;
-        if (open[i])
-            used += (size_t)snprintf(text + used, size - used, last > i ? "%s%zu-%zu" : "%s%zu",
-                                     used ? "," : "", i + 1, last + 1);
-        i = last;
-    }
-    if (used > 0 && used < size) snprintf(text + used, size - used, " of %zu", parts);
-    return RP_OK;
-}
-
 rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, sweep_counts *counts)
 {
     RP_ENDS(sweep_folder_close) sweep_folder f;
     RP_TRY(sweep_folder_read(dir, protocols, &f));
-    RP_TRY(sweep_store_count(f.store, &f.plan, counts));
-    return list_shards(&f, counts->shards, sizeof counts->shards);
+    return sweep_store_count(f.store, &f.plan, counts);
 }
 
 /* A folder stands for its store and its shards. */
@@ -321,7 +286,7 @@ rp_status sweep_merge(const char *dir, const sweep_protocol *const *protocols, s
     RP_TRY(sweep_store_merge(f.store, &f.plan, sources.n, sources.path));
     RP_TRY(sweep_store_count(f.store, &f.plan, counts));
     if (counts->stored == counts->planned && sweep_count_aborted(counts) == 0) remove_snapshots(&f);
-    return list_shards(&f, counts->shards, sizeof counts->shards);
+    return RP_OK;
 }
 
 /* Whose a snapshot is: of this run with these tables. */

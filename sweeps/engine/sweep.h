@@ -34,18 +34,13 @@ RP_C_BEGIN
 /* How far a sweep is. A result is a row whose status starts with "ok"; the others are failed. */
 typedef struct {
     size_t points, replicas, planned, stored, failed;
-    double seconds;   /* of a run, on average; NaN without any */
-    char shards[256]; /* "2,5-7 of 8": those with runs to do; "" without shards, or when all are done. Of
-                       * sweep_status and sweep_merge alone */
-    rp_tally words;   /* by status, in alphabetical order */
+    double seconds; /* of a run, on average; NaN without any */
+    rp_tally words; /* by status, in alphabetical order */
 } sweep_counts;
 
 /* "no_pile 6, overlap 2": the words for which `wanted`. Returns `text`. */
 const char *sweep_words(const rp_tally *words, bool (*wanted)(const char *status), char text[1024]);
 bool sweep_is_failed(const char *status);
-
-/* Told how far something long is. */
-typedef void sweep_watch(const char *what, size_t done, size_t of);
 
 /* What a watcher is shown: after each row, and several times a second in between. */
 typedef struct {
@@ -59,9 +54,7 @@ typedef struct {
     void (*watch)(const sweep_progress *progress, void *context); /* may be NULL */
     void *context;
     double memory, time; /* of one run: MB (1e6 bytes) and s; 0 or infinite: no limit */
-    double patience;     /* s without progress after which a worker is replaced; 0: a minute */
-    double slow; /* s after which a run is reported if the others take less than 1 % of it; 0: ten minutes */
-    /* One line on a run that failed, or that is slow, when it is; may be NULL. */
+    /* One line on a run that failed, when it does; may be NULL. */
     void (*report)(void *context, const char *format, ...) __attribute__((format(printf, 2, 3)));
     double snapshot; /* processor seconds from one snapshot of a run to the next, in DIR/snapshots; 0: none */
 } sweep_options;
@@ -82,10 +75,10 @@ void sweep_recipe_free(sweep_recipe *recipe);
  * `replicas` instead of the file's, unless 0: runs that both have are the same runs. Nothing is made unless
  * the whole file is good. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
 rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
-                        const sweep_protocol *const *protocols, sweep_watch *watch, sweep_counts *counts);
+                        const sweep_protocol *const *protocols, sweep_counts *counts);
 
 /* Make the runs that are not stored yet, each in a worker process; one row is committed a finished run. A
- * run whose worker dies or hangs is tried three times. It is then a row with status "crashed", one beyond a
+ * run whose worker dies is tried three times. It is then a row with status "crashed", one beyond a
  * limit "no_memory" or "time_limit", with the cause in its message: RP_NO_RESULT, and the next call tries
  * these runs again. SIGINT, SIGTERM and SIGHUP stop the sweep: runs in progress have ten seconds to end or to
  * write a snapshot, a second signal ends them at once: RP_STOPPED. RP_OK when every row is stored

@@ -47,10 +47,10 @@ apply() {
 seen_in() {
     tree=$1 lint=$2
     shift 2
-    make -s -C "$tree" -j2 build/check build/repose build/report CFLAGS="$quick" >"$tree/build.log" 2>&1 || { echo build && return; }
+    make -s -C "$tree" -j"$(nproc)" build/check build/repose build/report CFLAGS="$quick" >"$tree/build.log" 2>&1 || { echo build && return; }
     (cd "$tree" && $lint >lint.log 2>&1) || { echo lint && return; }
     for suite; do
-        (cd "$tree" && REPOSE=build/repose build/check -j2 "$suite" >"$suite.log" 2>&1) || { echo "$suite" && return; }
+        (cd "$tree" && REPOSE=build/repose build/check -j"$(nproc)" --stop "$suite" >"$suite.log" 2>&1) || { echo "$suite" && return; }
     done
     echo nothing
 }
@@ -67,13 +67,14 @@ for name in ${*:-$(names)}; do
     [ "$(files_of "$name" | wc -l)" -gt 1 ] || continue
     for file in $(files_of "$name"); do
         rm -rf "$work/less"
-        case $file in
-        tests/*) # the rest is as it was built
-            cp -a "$work/whole" "$work/less"
-            apply "$name" "$work/less" -R --include="$file" ;;
-        *)
+        case $file in # made of the tree in which fewer objects are stale
+        *.h)
             cp -a "$work/base" "$work/less"
             apply "$name" "$work/less" --exclude="$file" ;;
+        *)
+            cp -a "$work/whole" "$work/less"
+            rm "$work/less/build/"lib*.a # of files that may be gone
+            apply "$name" "$work/less" -R --include="$file" ;;
         esac
         seen=$(seen_in "$work/less" "python3 -B tests/rooms.py build" $suites)
         [ "$seen" != nothing ] || { bad=1 && seen="NOTHING SEES IT"; }

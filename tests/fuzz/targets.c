@@ -172,7 +172,7 @@ static void read_sweep(size_t n, const char text[])
     for (size_t digits = 0; replicas && replicas < text + n && *replicas != ';' && *replicas != '\n';
          replicas++)
         if (strchr("0123456789abcdefABCDEF", *replicas) && *replicas && ++digits > 4) return;
-    const rp_status status = sweep_prepare("s.cfg", "planned", 0, sweep_protocols, NULL, &counts);
+    const rp_status status = sweep_prepare("s.cfg", "planned", 0, sweep_protocols, &counts);
     demand(status != RP_BROKEN && (status || counts.planned > 0), "a plan is broken");
     unlink("planned/store.sqlite");
 }
@@ -222,7 +222,7 @@ static bool make_store(void)
 {
     sweep_counts counts;
     put_text("toy.cfg", "protocol = \"toy\"; replicas = 2; grid = { x = [0.1, 2.385]; };\n");
-    if (sweep_prepare("toy.cfg", "d", 0, toys, NULL, &counts) ||
+    if (sweep_prepare("toy.cfg", "d", 0, toys, &counts) ||
         sweep_run("d", toys, &(sweep_options){.workers = 1}, &counts) || !make_small("d/store.sqlite"))
         return false;
     FILE *in = fopen("d/store.sqlite", "r");

@@ -63,7 +63,7 @@ suites_of() {
     src/cli/commands/params.c) echo help options experiment ;;
     src/cli/closing.c | src/cli/progress.c) echo view run ;;
     src/cli/options.c | src/cli/command.c) echo help notes evidence options tables columns claims cli ;;
-    src/cli/commands/shards.c | src/cli/commands/sweep.c) echo cli folders sweep notes tables ;;
+    src/cli/commands/sweep.c) echo cli folders sweep notes tables ;;
     src/cli/commands/calibrate.c) echo calibrate_text options ;;
     src/cli/commands/run.c) echo view tables options run cli folders ;;
     src/cli/commands/pile.c) echo notes equilibrium tables options cli ;;

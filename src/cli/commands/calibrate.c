@@ -355,7 +355,7 @@ static rp_status run_group(problem *s, size_t stage, size_t g, size_t n, const d
     sweep_counts counts;
     RP_TRY(write_sweep(s, &s->group[g], path, n, x, replicas, s->o->force));
     RP_TRY(cli_claim_sweep(dir, path, s->o->force));
-    RP_TRY(sweep_prepare(path, dir, 0, sweep_protocols, NULL, &counts));
+    RP_TRY(sweep_prepare(path, dir, 0, sweep_protocols, &counts));
     s->made |= counts.stored < counts.planned;
     if (!s->o->quiet && counts.stored < counts.planned)
         fprintf(stderr, "repose calibrate: stage %zu, %s: %zu points, %zu runs each, in %s\n", stage + 1,

@@ -84,7 +84,9 @@ const cli_command cmd_export = {
     "export",
     "runs, tables and sweeps for other programs",
     "SOURCE --to FORMAT [-o FILE] [options]",
-    "SOURCE is the folder of a run (`repose run -o`), a table, the folder of a sweep, or a scene.\n"
+    "SOURCE is the folder of a run (`repose run -o`), a table (- for standard input), the folder of a sweep, "
+    "or "
+    "a scene.\n"
     "\n"
     "csv, json: a table; of a run its states.tsv; of a sweep its runs, with all parameters as columns. CSV "
     "starts with the names of the columns. JSON is { notes, units, rows: [{column: value}] }; nan is null. "
@@ -103,5 +105,4 @@ const cli_command cmd_export = {
         "Grains of a sweep, which has none: csv and json take it. --reduce without a sweep.\n"
         "For lammps-input: a scene with a law or key that LAMMPS lacks; --columns, --where and --reduce.\n"
         "--set with any other format.",
-    .prints_text = true,
     .act = act_export};

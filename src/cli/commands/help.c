@@ -229,5 +229,4 @@ const cli_command cmd_help = {
     "repose help sweep plan",
     help_params,
     .refuses = "A name that is no command; the message names the nearest one.",
-    .prints_text = true,
     .act = act_help};

@@ -54,8 +54,10 @@ static rp_param *schema_of(step *s)
 {
     static const char settled[] = "|o|force|quiet|j|set|"; /* as where the table goes */
     cli_call *call = &s->call;
-    rp_param *schema = rp_arena_memory(call->arena, call->n_own, sizeof *schema), *to = schema;
-    for (size_t i = 0; i < call->n_own; i++) {
+    size_t n = 0;
+    while (call->options[n].name) n++;
+    rp_param *schema = rp_arena_memory(call->arena, n, sizeof *schema), *to = schema;
+    for (size_t i = 0; i < n; i++) {
         char *name = rp_text(call->arena, "%s", call->options[i].name);
         for (char *c = name; (c = strchr(c, '-'));) *c = '_';
         call->given[i] = member(s->setting, name) != NULL;
@@ -257,7 +259,7 @@ static rp_status plan_runs(const making *m, sweep_counts *counts)
     const make_options *o = m->o;
     const size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? m->recipe.study : 0;
     RP_TRY(cli_claim_sweep(o->o, m->file, o->force));
-    return sweep_prepare(m->file, o->o, replicas, sweep_protocols, cli_watch(o->quiet), counts);
+    return sweep_prepare(m->file, o->o, replicas, sweep_protocols, counts);
 }
 
 static rp_status make_runs(const making *m)
@@ -403,5 +405,4 @@ const cli_command cmd_sweep_make = {
     .refuses =
         "What `repose sweep plan` and `repose sweep run` refuse; an unknown key, command or column of a\n"
         "setting, before any run. A folder of a trace or a pile that holds something else.",
-    .prints_text = true,
     .act = act_make};

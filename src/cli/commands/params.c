@@ -30,33 +30,29 @@ static const char *default_of(const rp_param *p, rp_units units, char text[64])
     return rp_params_text(&alone, &number, text, 64);
 }
 
-/* Rows of a table, for --json, or lines to be read, with what each word of a choice stands for. */
-static void print_schema(const cli_call *call, bool rows, const char *of, const char *kind,
-                         const rp_param *schema)
+/* A line each, with what each word of a choice stands for. */
+static void print_schema(const cli_call *call, const rp_param *schema)
 {
     char text[64], word[64];
-    if (!rows)
-        fprintf(call->out, "# %-25s %-10s %-6s %-12s %-34s %s\n", "name", "unit", "type", "default", "range",
-                "meaning");
-    for (const rp_param *p = schema; p->name; p++) {
-        if (rows) fprintf(call->out, "%s\t%s\t", of, kind);
-        fprintf(call->out, rows ? "%s\t%s\t%s\t%s\t%s\t%s\n" : "  %-25s %-10s %-6s %-12s %-34s %s\n", p->name,
+    fprintf(call->out, "# %-25s %-10s %-6s %-12s %-34s %s\n", "name", "unit", "type", "default", "range",
+            "meaning");
+    for (const rp_param *p = schema; p->name; p++)
+        fprintf(call->out, "  %-25s %-10s %-6s %-12s %-34s %s\n", p->name,
                 cli_cell(rp_unit(call->units, p->unit)), type_words[p->type],
-                default_of(p, call->units, text),
-                p->type == RP_BOOL && !rows ? "true | false" : cli_cell(p->range), p->meaning);
-    }
-    for (const rp_param *p = rows ? NULL : schema; p && p->name; p++)
+                default_of(p, call->units, text), p->type == RP_BOOL ? "true | false" : cli_cell(p->range),
+                p->meaning);
+    for (const rp_param *p = schema; p->name; p++)
         for (int k = 0; p->manual && *rp_word_at(p->range, k, word, sizeof word); k++)
             fprintf(call->out, "#   %s = %s: %s\n", p->name, word, p->manual[k]);
 }
 
 /* A scene file has a group of keys for each of its schemas. */
-static void print_scene(const cli_call *call, bool rows)
+static void print_scene(const cli_call *call)
 {
     for (const dem_scene_group *g = dem_scene_schemas; g->name; g++) {
-        const char *name = g == dem_scene_schemas ? "top level" : g->name;
-        if (!rows) fprintf(call->out, "# scene file, %s: %s\n", name, g->manual);
-        print_schema(call, rows, "scene", name, g->schema);
+        fprintf(call->out, "# scene file, %s: %s\n", g == dem_scene_schemas ? "top level" : g->name,
+                g->manual);
+        print_schema(call, g->schema);
     }
 }
 
@@ -68,58 +64,52 @@ static bool is_next(const char *name, const char *after)
            isdigit((unsigned char)name[n - 2]) && strncmp(name, after, n - 2) == 0;
 }
 
-static void print_experiment(const cli_call *call, bool rows)
+static void print_experiment(const cli_call *call)
 {
     RP_SCOPE(arena);
     for (const dem_scene_group *g = exp_groups; g->name; g++) {
-        if (!rows) fprintf(call->out, "# experiment, %s: %s\n", g->name, g->manual);
-        print_schema(call, rows, "experiment", g->name, g->schema);
+        fprintf(call->out, "# experiment, %s: %s\n", g->name, g->manual);
+        print_schema(call, g->schema);
     }
     for (const exp_module *const *at = exp_modules; *at; at++) {
         const exp_module *const m = *at;
-        if (!rows)
-            fprintf(call->out,
-                    "# experiment, measure of = \"%s\": %s; a column is the measure's name with one of\n",
-                    m->name, m->about);
-        for (const exp_output *o = m->outputs; o->name && !rows; o++) {
+        fprintf(call->out,
+                "# experiment, measure of = \"%s\": %s; a column is the measure's name with one of\n",
+                m->name, m->about);
+        for (const exp_output *o = m->outputs; o->name; o++) {
             const exp_output *first = o;
             while (is_next(o->name, o[1].name)) o++;
             fprintf(call->out, "#   %-25s %-10s %s\n",
                     o == first ? o->name : rp_text(&arena, "%s to %s", first->name, o->name),
                     cli_cell(first->unit), first->meaning);
         }
-        print_schema(call, rows, "experiment", m->name, m->schema);
+        print_schema(call, m->schema);
     }
-    if (!rows)
-        fprintf(call->out,
-                "# experiment, what expressions may ask for, besides lets and earlier measures: %s\n# %-25s "
-                "%-10s %-14s %s\n",
-                rp_expression_functions, "name", "unit", "of", "meaning");
+    fprintf(call->out,
+            "# experiment, what expressions may ask for, besides lets and earlier measures: %s\n# %-25s "
+            "%-10s %-14s %s\n",
+            rp_expression_functions, "name", "unit", "of", "meaning");
     exp_word w;
     for (size_t k = 0; (w = exp_observable_at(k)).name; k++)
-        fprintf(call->out,
-                rows ? "experiment\tobservable\t%s\t%s\t-\t-\t%s\t%s\n" : "  %-25s %-10s %-14s %s\n", w.name,
-                cli_cell(rp_unit(call->units, w.unit)), w.of, w.meaning);
+        fprintf(call->out, "  %-25s %-10s %-14s %s\n", w.name, cli_cell(rp_unit(call->units, w.unit)), w.of,
+                w.meaning);
 }
 
-static void print_protocol(const cli_call *call, const sweep_protocol *protocol, bool rows)
+static void print_protocol(const cli_call *call, const sweep_protocol *protocol)
 {
-    if (!rows) fprintf(call->out, "# protocol %s: %s\n", protocol->name, protocol->about);
-    print_schema(call, rows, protocol->name, "parameter", protocol->schema);
-    if (protocol->context && !rows) {
+    fprintf(call->out, "# protocol %s: %s\n", protocol->name, protocol->about);
+    print_schema(call, protocol->schema);
+    if (protocol->context) {
         fprintf(call->out, "# for sweeps also these of a scene:");
         for (const dem_named_key *k = dem_named_keys; k->key; k++)
             if (!rp_params_find(protocol->schema, k->param.name)) fprintf(call->out, " %s", k->param.name);
         fputc('\n', call->out);
     }
-    if (!rows)
-        fprintf(call->out, "# outputs of protocol %s\n# %-36s %-10s %s\n", protocol->name, "name", "unit",
-                "meaning");
-    for (const sweep_output *o = protocol->outputs; o->name; o++) {
-        if (rows) fprintf(call->out, "%s\toutput\t", protocol->name);
-        fprintf(call->out, rows ? "%s\t%s\treal\t-\t-\t%s\n" : "  %-36s %-10s %s\n", o->name,
-                cli_cell(rp_unit(call->units, o->unit)), o->meaning);
-    }
+    fprintf(call->out, "# outputs of protocol %s\n# %-36s %-10s %s\n", protocol->name, "name", "unit",
+            "meaning");
+    for (const sweep_output *o = protocol->outputs; o->name; o++)
+        fprintf(call->out, "  %-36s %-10s %s\n", o->name, cli_cell(rp_unit(call->units, o->unit)),
+                o->meaning);
 }
 
 /* The names and measures of a file. */
@@ -159,29 +149,24 @@ static rp_status print_all(cli_call *call, const void *values)
 {
     const params_options *o = values;
     const char *name = cli_argument(call, 0);
-    const bool rows = cli_given(call, "json");
     bool found = false;
     if (name && rp_ends_in(name, ".cfg")) return file_rows(call, cli_data(call->arena, name));
     call->units = (rp_units)o->units;
-    if (rows) {
-        cli_provenance(call, call->out);
-        rp_table_header(call->out, call->units, "of, kind, name, unit, type, default, range, meaning");
-    }
     for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
         if (name && strcmp(name, (*p)->name) != 0) continue;
-        if (found && !rows) fputc('\n', call->out);
+        if (found) fputc('\n', call->out);
         const sweep_protocol *opened;
         const rp_status status = sweep_protocol_open(*p, NULL, NULL, &opened);
         if (!status) sweep_protocol_in(opened, call->units);
-        if (!status) print_protocol(call, opened, rows);
+        if (!status) print_protocol(call, opened);
         sweep_protocol_close(opened);
         RP_TRY(status);
         found = true;
     }
     for (int k = 0; k < 2; k++) {
         if (name && strcmp(name, k ? "experiment" : "scene") != 0) continue;
-        if (found && !rows) fputc('\n', call->out);
-        (k ? print_experiment : print_scene)(call, rows);
+        if (found) fputc('\n', call->out);
+        (k ? print_experiment : print_scene)(call);
         found = true;
     }
     if (found) return RP_OK;
@@ -200,8 +185,7 @@ const cli_command cmd_params = {
     "protocol's outputs. `scene` prints the keys of a scene file, and what each word of a choice stands for; "
     "`experiment` those of phases and measures, and what expressions may ask for. FILE.cfg: the names that "
     "this file gives, with values, units and ranges, and the columns that it measures. Without an argument, "
-    "everything is printed. With --json, each parameter, key and output is an object of `rows`, with the "
-    "members of, kind, name, unit, type, default, range and meaning; \"-\" stands for none.",
+    "everything is printed.",
     "repose params repose",
     params_params,
     .refuses = "A name that is no protocol; the message names the nearest one.",

@@ -1,28 +1,13 @@
-/* repose sweep plan|run|status|export|digest|make */
+/* repose sweep plan|run|status|merge|export|digest|make */
 #include "cli/cli.h"
 #include "cli/progress.h"
 
 #define PLAN_OPTIONS(X)                                                                                      \
     X(TEXT, o, "", NULL, "", "folder of the sweep; created if missing")                                      \
     X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
-    CLI_QUIET(X)                                                                                             \
     CLI_FORCE(X)
 
 CLI_OPTIONS(plan, PLAN_OPTIONS)
-
-static void print_planned(const cli_call *call, const char *dir, const sweep_counts *counts)
-{
-    if (!cli_given(call, "json")) {
-        fprintf(call->out, "%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", dir,
-                counts->planned, counts->points, counts->replicas, counts->stored);
-        return;
-    }
-    cli_provenance(call, call->out);
-    rp_table_note(call->out, "folder", "%s", dir);
-    rp_table_header(call->out, call->units, "runs, points, replicas, stored");
-    CLI_ROW((double)counts->planned, (double)counts->points, (double)counts->replicas,
-            (double)counts->stored);
-}
 
 static rp_status act_plan(cli_call *call, const void *values)
 {
@@ -30,16 +15,16 @@ static rp_status act_plan(cli_call *call, const void *values)
     sweep_counts counts;
     RP_TRY(cli_claim_sweep(o->o, cli_argument(call, 0), o->force));
     RP_TRY(sweep_prepare(cli_data(call->arena, cli_argument(call, 0)), o->o,
-                         o->replicas > 0 ? (size_t)o->replicas : 0, sweep_protocols, cli_watch(o->quiet),
-                         &counts));
-    print_planned(call, o->o, &counts);
+                         o->replicas > 0 ? (size_t)o->replicas : 0, sweep_protocols, &counts));
+    fprintf(call->out, "%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", o->o,
+            counts.planned, counts.points, counts.replicas, counts.stored);
     return RP_OK;
 }
 
 static const cli_command plan = {
     "sweep plan",
     "check a sweep file and plan its runs in a folder",
-    "FILE -o DIR [--replicas N] [--quiet] [--force]",
+    "FILE -o DIR [--replicas N] [--force]",
     "Check a sweep file and every point of its grid, and plan its runs in a folder. Planning again after a "
     "change, or for more replicas, keeps all stored runs and reuses those that match. A folder with a sweep "
     "of another name, or with a run, is refused without --force. The file (libconfig syntax):\n"
@@ -96,7 +81,7 @@ static const cli_command run = {
     "stop, even by SIGKILL, the same command resumes. Long runs resume from their last snapshots (all "
     "protocols but pile), with the same bits; SIGINT, SIGTERM and SIGHUP write these, a second signal ends "
     "the sweep at once. Exit status 0 if every run is stored with its outcome; 75 if stopped; 1 while runs "
-    "are aborted, which the same command tries again: status crashed (its worker died or hung, three times), "
+    "are aborted, which the same command tries again: status crashed (its worker died, three times), "
     "no_memory, time_limit. With --shard, machines that share the folder, or have copies of it, each make a "
     "part; `sweep merge` unites the parts.",
     "repose sweep run build/sweeps/lh3 -j 2",
@@ -111,7 +96,6 @@ static rp_status act_status_of(cli_call *call, const void *values)
     RP_TRY(sweep_status(cli_argument(call, 0), sweep_protocols, &counts));
     const double left = counts.seconds * (double)(counts.planned - counts.stored);
     if (isfinite(left)) rp_table_note(call->out, "left", "%.3g s of one core", left);
-    if (*counts.shards) rp_table_note(call->out, "shards with missing runs", "%s", counts.shards);
     cli_print_counts(call, &counts);
     return RP_OK;
 }
@@ -121,12 +105,36 @@ static const cli_command status_of = {
     "numbers of stored runs and of each status",
     "DIR",
     "Numbers of planned, stored and missing runs, and of runs with each status, with all shards in the "
-    "folder; the time left, and the shards with missing runs as a list for an "
-    "array of jobs.",
+    "folder; the time left.",
     "repose sweep status build/sweeps/lh3",
     NULL,
     .refuses = "A folder without a planned sweep.",
     .act = act_status_of};
+
+static rp_status act_merge(cli_call *call, const void *values)
+{
+    (void)values;
+    sweep_counts counts;
+    int n = 0;
+    while (cli_argument(call, n + 1)) n++;
+    RP_TRY(sweep_merge(cli_argument(call, 0), sweep_protocols, (size_t)n, call->arguments + 1, &counts));
+    if (n > 0) RP_TRY(sweep_status(cli_argument(call, 0), sweep_protocols, &counts)); /* its own shards too */
+    cli_print_counts(call, &counts);
+    return sweep_check_whole(cli_argument(call, 0), &counts);
+}
+
+static const cli_command merge = {
+    "sweep merge",
+    "take the rows of shards and of other stores",
+    "DIR...",
+    "Take the rows of the shards of the first folder, or of the further folders and stores, into its store. "
+    "Refused, with nothing taken: two results of the same run that differ; a store of another protocol or "
+    "another model of the physics. Exit status 1 while runs are missing.",
+    "repose sweep merge build/sweeps/lh3",
+    NULL,
+    .refuses = "Two results of the same run that differ; a store of another protocol or another model of the "
+               "physics.\nNothing is taken then.",
+    .act = act_merge};
 
 #define EXPORT_OPTIONS(X)                                                                                    \
     X(TEXT, o, "", "-", "", "file to write; - is standard output")                                           \
@@ -164,12 +172,7 @@ static rp_status act_digest(cli_call *call, const void *values)
     char text[33];
     size_t rows;
     RP_TRY(sweep_digest(cli_argument(call, 0), sweep_protocols, text, &rows));
-    if (!cli_given(call, "json")) return fprintf(call->out, "%s\t%zu\n", text, rows), RP_OK;
-    cli_provenance(call, call->out);
-    rp_table_note(call->out, "digest", "%s", text); /* a note is a text, even of digits alone */
-    rp_table_header(call->out, call->units, "runs");
-    CLI_ROW((double)rows);
-    return RP_OK;
+    return fprintf(call->out, "%s\t%zu\n", text, rows), RP_OK;
 }
 
 static const cli_command digest = {
@@ -177,13 +180,12 @@ static const cli_command digest = {
     "print a digest of all results",
     "DIR",
     "Digest (XXH3-128) of key, status and outputs of all rows, and the number of rows. The digest does not "
-    "depend on the number of workers or on interruptions. Exit status 1 while rows are missing. With --json, "
-    "the digest is among the notes.",
+    "depend on the number of workers or on interruptions. Exit status 1 while rows are missing.",
     "repose sweep digest build/sweeps/lh3",
     NULL,
     .refuses = "A folder without a planned sweep.",
     .act = act_digest};
 
-static const cli_command *const commands[] = {
-    &plan, &run, &status_of, &cmd_sweep_merge, &export, &digest, &cmd_sweep_make, &cmd_sweep_slurm, NULL};
+static const cli_command *const commands[] = {&plan,   &run,    &status_of,      &merge,
+                                              &export, &digest, &cmd_sweep_make, NULL};
 const cli_command cmd_sweep = {"sweep", "plan, run and read parameter sweeps", .group = commands};

@@ -214,5 +214,4 @@ const cli_command cmd_view = {
     view_params,
     .refuses = "A window without a screen: give -o. --frame all with a picture: give -o NAME.gif.\n"
                "A table without columns x, y and r.",
-    .prints_text = true,
     .act = act_view};

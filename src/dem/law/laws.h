@@ -73,14 +73,17 @@ RP_C_BEGIN
     X(DEM_DAMPING_INSIDE, inside, "spring and dashpot together obey the limit mu F_n")
 
 /* Models of rolling resistance, named as by Ai, Chen, Rotter & Ooi 2011. id; word, which is the name of its
- * force in law.inl; manual; has a spring; whether its limit mu F_n is over a speed. */
+ * force in law.inl; manual; has a spring; has a dashpot; whether its limit mu F_n is over a speed. */
 #define DEM_ROLLINGS(X)                                                                                      \
     X(DEM_ROLL_SPRING, spring,                                                                               \
-      "a spring and a dashpot of the rolling displacement, under the limit mu F_n: model C", true, false)    \
+      "a spring and a dashpot of the rolling displacement, under the limit mu F_n: model C", true, true,     \
+      false)                                                                                                 \
     X(DEM_ROLL_CONSTANT, constant,                                                                           \
-      "the limit mu F_n against any rolling, however slow, which then trembles: model A", false, false)      \
+      "the limit mu F_n against any rolling, however slow, which then trembles: model A", false, false,      \
+      false)                                                                                                 \
     X(DEM_ROLL_VISCOUS, viscous,                                                                             \
-      "mu F_n v of the rolling speed v, mu in s/cm or s/m; holds nothing at rest: model B", false, true)
+      "mu F_n v of the rolling speed v, mu in s/cm or s/m; holds nothing at rest: model B", false, false,    \
+      true)
 
 /* Arm of the rolling resistance between grains; at a wall it is the grain's radius. */
 #define DEM_ARMS(X)                                                                                          \
@@ -97,9 +100,9 @@ enum { DEM_NORMAL_N = DEM_NORMAL_LAWS(DEM_ONE), DEM_TANGENTIAL_N = DEM_TANGENTIA
 enum { DEM_ROLLING_N = DEM_ROLLINGS(DEM_ONE) };
 
 /* A truth of each row, in a bit of its own: known to the compiler where the law is. */
-#define DEM_FIRST_BIT(id, word, manual, first, ...)                | (unsigned)first << id
-#define DEM_SECOND_BIT(id, word, manual, first, ...)               | (unsigned)DEM_FIRST(__VA_ARGS__, ) << id
-#define DEM_THIRD_BIT(id, word, manual, first, second, third, ...) | (unsigned)third << id
+#define DEM_FIRST_BIT(id, word, manual, first, ...)  | (unsigned)first << id
+#define DEM_SECOND_BIT(id, word, manual, first, ...) | (unsigned)DEM_FIRST(__VA_ARGS__, ) << id
+#define DEM_THIRD_BIT(id, word, manual, first, ...)  DEM_SECOND_BIT(id, word, manual, __VA_ARGS__)
 #define DEM_ROW_IS(name, type, LIST, BIT)                                                                    \
     static inline bool name(type law)                                                                        \
     {                                                                                                        \
@@ -109,7 +112,8 @@ DEM_ROW_IS(dem_has_friction, dem_tangential_law, DEM_TANGENTIAL_LAWS, DEM_FIRST_
 DEM_ROW_IS(dem_has_spring, dem_tangential_law, DEM_TANGENTIAL_LAWS, DEM_SECOND_BIT)
 DEM_ROW_IS(dem_is_of_radius, dem_tangential_law, DEM_TANGENTIAL_LAWS, DEM_THIRD_BIT)
 DEM_ROW_IS(dem_rolls_by_spring, dem_rolling, DEM_ROLLINGS, DEM_FIRST_BIT)
-DEM_ROW_IS(dem_rolls_by_speed, dem_rolling, DEM_ROLLINGS, DEM_SECOND_BIT)
+DEM_ROW_IS(dem_rolls_by_dashpot, dem_rolling, DEM_ROLLINGS, DEM_SECOND_BIT)
+DEM_ROW_IS(dem_rolls_by_speed, dem_rolling, DEM_ROLLINGS, DEM_THIRD_BIT)
 
 /* Units of a coefficient, "; hertz: dyn/cm^1.5; linear: dyn/cm". */
 #define DEM_LAW_K_N(id, word, manual, spring, dashpot, scale, k_n, ...) "; " #word ": " k_n

@@ -1,5 +1,6 @@
 /* Changes of a scene file's text: --set, and values of its lets. */
 #include <ctype.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,21 +8,19 @@
 #include "params/guess.h"
 #include "params/units.h"
 
-/* Read "v = VALUE;"; a bare word is a string. */
-static rp_status read_value(const char *value, config_t *one)
+/* A number or truth that is known by itself; else a text, with or without quotes, which the reader of its key
+ * takes for a word or an expression. */
+static rp_value value_of(char *text)
 {
-    char line[512];
-    for (int quoted = 0; quoted < 3; quoted++) {
-        const int last = (int)strlen(value) - 1;
-        const bool list = *value == '[' && value[last] == ']'; /* of one type in libconfig, as ( ) is not */
-        if (quoted == 1 && !list) continue;
-        const int n = quoted == 1 ? snprintf(line, sizeof line, "v = (%.*s);", last - 1, value + 1)
-                                  : snprintf(line, sizeof line, quoted ? "v = \"%s\";" : "v = %s;", value);
-        if (n >= (int)sizeof line) return rp_fail(RP_BAD_INPUT, "--set: a value of more than 500 bytes");
-        RP_TRY(rp_config_scan_text("--set", line));
-        if (config_read_string(one, line) && length(config_root_setting(one)) == 1) return RP_OK;
-    }
-    return rp_fail(RP_BAD_INPUT, "--set: cannot read the value");
+    static const rp_x_names none;
+    const size_t n = strlen(text);
+    rp_expression e;
+    RP_SCOPE(arena);
+    if (!rp_expression_read(&arena, text, &none, &e) && e.known && e.type != RP_X_WORD && isfinite(e.value))
+        return rp_x_value(e.type, e.value, NULL);
+    const bool quoted = n > 1 && *text == '"' && text[n - 1] == '"';
+    if (quoted) text[n - 1] = '\0';
+    return (rp_value){.kind = RP_V_TEXT, .s = text + quoted};
 }
 
 /* The index in "walls[2]", which ends the name there; -1 for a name alone, -2 for no index. */
@@ -59,27 +58,39 @@ static rp_status step_into(char *name, const char *text, config_setting_t **grou
 }
 
 /* Put a value of any type in the place of a setting's. */
-static void put(config_setting_t *setting, const rp_value *value)
+static void put(config_setting_t *setting, rp_value value)
 {
     if (config_setting_type(setting) == CONFIG_TYPE_STRING) config_setting_set_string(setting, NULL);
     setting->type = CONFIG_TYPE_NONE, setting->value.sval = NULL;
-    switch (value->kind) {
-    case RP_V_INT: config_setting_set_int64(setting, value->i); break;
-    case RP_V_REAL: config_setting_set_float(setting, value->r); break;
-    case RP_V_BOOL: config_setting_set_bool(setting, (int)value->i); break;
-    case RP_V_TEXT: config_setting_set_string(setting, value->s); break;
+    switch (value.kind) {
+    case RP_V_INT: config_setting_set_int64(setting, value.i); break;
+    case RP_V_REAL: config_setting_set_float(setting, value.r); break;
+    case RP_V_BOOL: config_setting_set_bool(setting, (int)value.i); break;
+    case RP_V_TEXT: config_setting_set_string(setting, value.s); break;
     }
 }
 
-/* Add a copy of the value to a group under this name; to a list or an array without a name. */
-static bool add_copy(config_setting_t *parent, const char *name, const config_setting_t *value)
+static bool is_list(const char *value)
 {
-    config_setting_t *copy = config_setting_add(parent, name, config_setting_type(value));
-    rp_value scalar;
-    bool whole = copy != NULL;
-    if (copy && !rp_config_scalar(value, &scalar)) put(copy, &scalar);
-    for (size_t i = 0; i < length(value) && whole; i++)
-        whole = add_copy(copy, config_setting_name(element(value, i)), element(value, i));
+    return *value == '[' && value[strlen(value) - 1] == ']';
+}
+
+/* Add a value, which is cut, to a group under this name, to a list without one; [a, b] is a list. */
+static bool add_value(config_setting_t *parent, const char *name, char *value)
+{
+    const bool list = is_list(value);
+    config_setting_t *added = config_setting_add(parent, name, list ? CONFIG_TYPE_LIST : CONFIG_TYPE_NONE);
+    bool whole = added != NULL;
+    if (list) value[strlen(value) - 1] = '\0';
+    if (whole && !list) put(added, value_of(value));
+    for (char *part = value + 1, *end; list && whole && *part; part = end) {
+        int depth = 0;
+        part += strspn(part, " ");
+        for (end = part; *end && (depth > 0 || *end != ','); end++)
+            depth += (*end == '[' || *end == '(') - (*end == ']' || *end == ')');
+        if (*end) *end++ = '\0';
+        whole = add_value(added, NULL, part);
+    }
     return whole;
 }
 
@@ -116,7 +127,7 @@ rp_status dem_text_give(dem_text *text, const char *name, const rp_value *value)
     if (!let) return rp_fail(RP_BAD_INPUT, "let: the text has no %s", name);
     if (config_setting_is_group(let)) let = member(let, "value");
     if (!let || config_setting_is_aggregate(let)) return RP_OK; /* which its reading refuses */
-    put(let, value);
+    put(let, *value);
     return RP_OK;
 }
 
@@ -135,24 +146,22 @@ const dem_named_key dem_named_keys[] = {
 /* Put "group.key=value" or "list[0].key=value" into the tree that was read, instead of what stands there. */
 rp_status dem_text_change(dem_text *scene, const char *text)
 {
-    RP_ENDS(config_destroy) config_t one;
-    char path[128], *key = path;
+    RP_SCOPE(arena);
+    char path[128], *key = path, *copy;
     const char *equals = strchr(text, '=');
     config_setting_t *group = config_root_setting(&scene->config);
-    rp_value value;
-    config_init(&one);
     if (!equals || equals == text || equals - text >= (long)sizeof path)
         return rp_fail(RP_BAD_INPUT, "--set %s: key=value expected", text);
     snprintf(path, sizeof path, "%.*s", (int)(equals - text), text);
     for (char *dot; (dot = strstr(path, ".["));)
         memmove(dot, dot + 1, strlen(dot)); /* libconfig's spelling */
-    RP_TRY(read_value(equals + 1, &one));
+    if (!(copy = rp_text(&arena, "%s", equals + 1))) return RP_NO_MEMORY;
     for (char *dot; (dot = strchr(key, '.')); key = dot + 1) {
         *dot = '\0';
         RP_TRY(step_into(key, text, &group));
     }
-    if (key == path && let_of(scene, key) && !rp_config_scalar(config_lookup(&one, "v"), &value))
-        return dem_text_give(scene, key, &value);
+    if (key == path && let_of(scene, key) && !is_list(copy))
+        return dem_text_give(scene, key, (rp_value[]){value_of(copy)});
     for (const dem_named_key *k = dem_named_keys; k->key && key == path; k++)
         if (strcmp(k->param.name, key) == 0 && strchr(k->key, '.') && strncmp(k->key, key, strlen(key)) != 0)
             return rp_fail(RP_BAD_INPUT, "--set %s: of a scene the key is %s", text, k->key);
@@ -160,7 +169,5 @@ rp_status dem_text_change(dem_text *scene, const char *text)
     if (strchr(key, '['))
         return rp_fail(RP_BAD_INPUT, "--set %s: give a key of the entry, or the whole list", text);
     if (member(group, key)) config_setting_remove(group, key);
-    return add_copy(group, key, config_lookup(&one, "v"))
-               ? RP_OK
-               : rp_fail(RP_BAD_INPUT, "--set %s: not a key", text);
+    return add_value(group, key, copy) ? RP_OK : rp_fail(RP_BAD_INPUT, "--set %s: not a key", text);
 }

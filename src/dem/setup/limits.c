@@ -108,7 +108,8 @@ static contact_laws laws_at(const dem_definition *def, const dem_material *c, co
         slider = dem_law_at_overlap(slider, of.r_eff, of.m_eff, overlap, overlap, &unused);
         roll = dem_law_at_overlap(roll, of.r_eff, of.m_eff, overlap, overlap, &unused);
     }
-    if (!dem_rolls_by_spring(def->rolling)) roll.k = roll.gamma = 0.0;
+    if (!dem_rolls_by_spring(def->rolling)) roll.k = 0.0;
+    if (!dem_rolls_by_dashpot(def->rolling)) roll.gamma = 0.0;
     if (dem_rolls_by_speed(def->rolling)) /* of the spring's force at this overlap */
         roll.gamma = roll.mu * dem_law_elastic(def->normal, scaled, overlap) / of.m_eff;
     const bool shear = dem_has_friction(def->tangential), spring = dem_has_spring(def->tangential),
