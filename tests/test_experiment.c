@@ -638,7 +638,7 @@ static void test_started_at(void)
 static void test_run(void)
 {
     write_trial("h.cfg", hopper);
-    SHELL("$REPOSE run h.cfg 2>err | $REPOSE export - --to json | grep -q '\"status\": \"ok\"'");
+    SHELL("$REPOSE run h.cfg 2>err | $REPOSE export - --to json >out && grep -q '\"status\": \"ok\"' out");
     CU_ASSERT(strstr(out, "{\"measure\": \"rate\", \"value\": ") != NULL);
     scoped_trial t; /* run 0 of the seed 1993, as a text has it */
     CHECK_OK(read_text(&t, hopper));
@@ -702,7 +702,7 @@ static void test_swept(void)
               cell(&again, 5, "rate") == cell(&t, 5, "rate"));
     /* with another default of what is fixed the streams are others: no row is stored, and none is damaged */
     SHELL("sed -i 's/mu = 0.2;/mu = 0.25;/' h.cfg && $REPOSE sweep make s.cfg -o s --quiet && cp kept.cfg "
-          "h.cfg && sed -i 's/looks=9/looks=0x9/' s.cfg && $REPOSE sweep make s.cfg -o s --quiet");
+          "h.cfg && sed -i 's/looks=9/looks=9.0/' s.cfg && $REPOSE sweep make s.cfg -o s --quiet");
     /* another phase is another plan; its rows are made again */
     SHELL("sed -i 's/least = 2000/least = 2100/' h.cfg && $REPOSE sweep plan s.cfg -o s | grep -q "
           "' 0 already stored'");

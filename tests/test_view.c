@@ -990,7 +990,6 @@ static void test_sweep_progress(void)
             CU_ASSERT_STRING_EQUAL(text, "repose sweep: 2 of 30 runs, 1 failed, 1:15 left\n"
                                          "repose sweep: 15 of 30 runs, 2 failed, 1:01:01 left\n");
         static const char *const bars[] = {
-            "\r1 of 100000 parts\r100000 of 100000 parts\r\n",
             "[                              ] 0/30  0 failed  0:00  left - ",
             "] 1/30 ",
             "] 2/30 ",
@@ -999,7 +998,7 @@ static void test_sweep_progress(void)
             "[##############################] 30/30 "};
         const char *at = text;
         for (size_t i = 0; k == 1 && at && i < sizeof bars / sizeof *bars; i++) at = strstr(at, bars[i]);
-        CU_ASSERT(at && !strstr(text, "few") && !strstr(text, "] 3/30"));
+        CU_ASSERT(at && !strstr(text, "] 3/30"));
     }
     close(kept), close(terminal);
 }
