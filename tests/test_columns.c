@@ -280,7 +280,8 @@ static void test_stress_steps(void)
 
 enum { DIP_PILES = 5 };
 
-/* Profiles with a slope to the right and a step in the middle, beside their rays. */
+/* Profiles with a slope to the right and a step in the middle, beside their rays; then one of a failed run,
+ * and one without an excess, which do not count. */
 static void write_dips(double n[DIP_PILES][STRESS_DIP_BINS], double excess[DIP_PILES])
 {
     FILE *file = file_of("piles.tsv");
@@ -293,6 +294,10 @@ static void write_dips(double n[DIP_PILES][STRESS_DIP_BINS], double excess[DIP_P
             n[i][k] = 1.0 + 0.02 * k + 0.03 * ((i * 7 + k * 3) % 5) - (k > 6 && k < 13 ? 0.2 : 0.0);
             fprintf(file, "\t%.17g\t%.17g", n[i][k], 1.0 + 0.1 * i + 0.01 * k * k);
         }
+    }
+    for (int i = 0; i < 2; i++) {
+        fprintf(file, "\n%s\t%s", i ? "ok" : "not_at_rest", i ? "nan" : "10");
+        for (int k = 0; k < 2 * STRESS_DIP_BINS; k++) fputs("\t7", file);
     }
     fputc('\n', file);
     fclose(file);
@@ -323,8 +328,8 @@ static void check_dip(double n[DIP_PILES][STRESS_DIP_BINS], const double excess[
         {"excess_hi", d.excess.hi}};
     checked_row(&c, 0, sizeof columns / sizeof *columns, columns, 1e-15);
     CHECKED_WORD(&c, 0, "verdict", stress_dip_word(&d, 0.05));
-    CHECK_NEAR(at(&c, 0, "n_failed"), 0.0, 0.0);
-    CHECKED_WORD(&c, 0, "failed_for", "-");
+    CHECK_NEAR(at(&c, 0, "n_failed"), 1.0, 0.0);
+    CHECKED_WORD(&c, 0, "failed_for", "not_at_rest:1");
     check_profile(&d);
 }
 
@@ -337,6 +342,8 @@ static void test_dip(void)
     shell("cut -f 1-3,5,7,9,11,13,15,17,19,21,23,25,27,29,31,33,35,37,39,41 piles.tsv >plain.tsv");
     scoped_table t = TABLE_OF("stress dip plain.tsv --profile");
     for (size_t row = 0; row < STRESS_DIP_BINS / 2; row++) CU_ASSERT(isnan(cell(&t, row, "rays")));
+    SHELL("sed '2,$s/\\t[^\\t]*/\\t0/g' plain.tsv >flat.tsv");
+    FAILS(65, "flat.tsv:2: n_01 to n_20: sum = 0: out of range", "stress dip flat.tsv");
 }
 
 /* ---- bench ---- */
