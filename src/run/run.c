@@ -16,6 +16,19 @@
  * once, some tenths of a second, after which a signal and progress are seen. */
 static const double LOOK = 2e3, MOST = 1e7;
 
+rp_status run_key(const exp_plan *plan, unsigned long seed, unsigned long stream, char digits[33])
+{
+    XXH128_hash_t sum;
+    exp_measured m;
+    RP_TRY(exp_key(plan, &sum));
+    for (size_t k = 0; k < exp_measure_count(plan); k++) {
+        RP_TRY(exp_measure_at(plan, k, &m));
+        if (m.n_outputs > 0) sum = rp_hash_add(sum, m.key);
+    }
+    rp_hash_digits(rp_hash_add(sum, XXH3_128bits((unsigned long[]){seed, stream}, 2 * sizeof seed)), digits);
+    return RP_OK;
+}
+
 rp_status run_start(exp_plan *plan, unsigned long seed, unsigned long stream, run_driver *d)
 {
     *d = (run_driver){.plan = plan, .seed = seed, .stream = stream, .threads = 1};
