@@ -172,14 +172,14 @@ static void refused_resumes(void)
     SHELL("cp -r d.part good");
     static const struct {
         const char *change, *text;
-    } list[] = {
-        {"printf x | dd of=d.part/snapshot bs=1 seek=3000 conv=notrunc 2>dd",
-         "damaged: its checksum is wrong; remove d.part to begin anew"},
-        {"truncate -s 3000 d.part/snapshot", "truncated: "},
-        {"truncate -s 300 d.part/energy.tsv", "energy.tsv: shorter than at the snapshot; remove d.part"},
-        {"sed -i '2s/.*/contacts.tsv/' d.part/.repose",
-         "d.part: holds contacts.tsv, unfinished; the command that began it "},
-        {"rm d.part/.repose", "d.part: no result of this program; move it away"}};
+    } list[] = {{"printf x | dd of=d.part/snapshot bs=1 seek=3000 conv=notrunc 2>dd",
+                 "remove d.part to begin anew: d.part/snapshot: damaged: its checksum is wrong"},
+                {"truncate -s 3000 d.part/snapshot", "truncated: "},
+                {"truncate -s 300 d.part/energy.tsv",
+                 "remove d.part to begin anew: energy.tsv: shorter than at the snapshot"},
+                {"sed -i '2s/.*/contacts.tsv/' d.part/.repose",
+                 "d.part: holds contacts.tsv, unfinished; the command that began it "},
+                {"rm d.part/.repose", "d.part: no result of this program; move it away"}};
     for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
         SHELL("rm -rf d.part && cp -r good d.part");
         CU_ASSERT(shell(list[k].change) == 0);
@@ -242,9 +242,12 @@ static void row_as_text(void)
     scoped_trial row;
     XXH128_hash_t key, own;
     write_trial("a.cfg", acting);
-    write_text("s.cfg", "experiment = \"a.cfg\"; replicas = 1; seed = 5; grid = { times = [2.0, 3.0]; };\n");
+    write_text("s.cfg", "experiment = \"a.cfg\"; replicas = 1; seed = 5; grid = { times = [3.0, 2.0]; };\n");
     GOOD("run s.cfg --row 1 -o d");
-    CHECK_OK(read_text(&row, acting));
+    scoped_table numbers = read_table("out"), again = TABLE_OF("run d/scene.cfg --quiet");
+    for (size_t k = 0; k < again.n_rows; k++)
+        CU_ASSERT_STRING_EQUAL(word(&again, k, "value"), word(&numbers, 0, word(&again, k, "measure")));
+    CHECK_OK(read_text(&row, check_changed(acting, "times = 3", "times = 2")));
     CHECK_OK(exp_key(row.plan, &key));
     end(&row), row = (trial){0};
     CHECK_OK(dem_text_open(path_of("d/scene.cfg"), NULL, NULL, &row.text));

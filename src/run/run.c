@@ -67,15 +67,6 @@ static rp_status read_back(run_driver *d)
     return rp_snapshot_end(&s);
 }
 
-static rp_status resume(run_driver *d)
-{
-    const rp_status status = read_back(d);
-    char why[1024];
-    if (!status || !d->to.folder) return status;
-    snprintf(why, sizeof why, "%s", rp_message());
-    return rp_fail(status, "%s; remove %s to begin anew", why, d->to.folder);
-}
-
 rp_status run_open(run_driver *d, const run_sinks *to, bool *resumed)
 {
     *resumed = false;
@@ -83,7 +74,9 @@ rp_status run_open(run_driver *d, const run_sinks *to, bool *resumed)
     d->to = *to;
     d->next = rp_cpu_clock() + to->interval;
     *resumed = to->snapshot && access(to->snapshot, F_OK) == 0;
-    RP_TRY(*resumed ? resume(d) : run_open_tables(d, false));
+    rp_status status = *resumed ? read_back(d) : run_open_tables(d, false);
+    if (*resumed && to->folder) status = rp_prefix(status, "remove %s to begin anew: ", to->folder);
+    RP_TRY(status);
     return run_begin_tables(d, *resumed);
 }
 

@@ -89,44 +89,38 @@ static bool hash(const void *params, XXH128_hash_t *digest)
     return status == RP_OK;
 }
 
-/* A run of these values. */
-typedef struct {
-    exp_plan *plan;
-    run_driver driver;
-} row;
-
-static void end_row(row *r)
+static void end_run(run_driver *d)
 {
-    run_free(&r->driver);
-    exp_free(r->plan);
+    run_free(d);
+    exp_free(d->plan);
 }
 
 /* Start it, or resume it: from a snapshot that is refused anew, of which the caller hears. */
-static rp_status start(row *r, unsigned long seed, unsigned long stream, const sweep_tables *t)
+static rp_status start(run_driver *d, unsigned long seed, unsigned long stream, const sweep_tables *t)
 {
     const run_sinks to = {
         .snapshot = t->snapshot, .owner = t->owner, .interval = t->interval, .stop = t->stop};
     bool resumed;
-    RP_TRY(run_start(r->plan, seed, stream, &r->driver));
-    const rp_status status = run_open(&r->driver, &to, &resumed);
+    RP_TRY(run_start(d->plan, seed, stream, d));
+    const rp_status status = run_open(d, &to, &resumed);
     if (status != RP_BAD_INPUT) return status;
     snprintf(t->why, t->size, "%s", rp_message());
     run_forget(t->snapshot);
-    run_free(&r->driver);
-    RP_TRY(run_start(r->plan, seed, stream, &r->driver));
-    return run_open(&r->driver, &to, &resumed);
+    run_free(d);
+    RP_TRY(run_start(d->plan, seed, stream, d));
+    return run_open(d, &to, &resumed);
 }
 
 static rp_status run_one(const void *params, unsigned long seed, unsigned long stream,
                          const sweep_tables *tables, sweep_result *result)
 {
     static const sweep_tables none = {0};
-    RP_ENDS(end_row) row r = {0};
+    RP_ENDS(end_run) run_driver d = {0};
     sweep_result_clear(result);
-    RP_TRY(plan_of(params, &r.plan));
-    RP_TRY(start(&r, seed, stream, tables ? tables : &none));
-    RP_TRY(run_finish(&r.driver));
-    sweep_result_of(&r.driver, result);
+    RP_TRY(plan_of(params, &d.plan));
+    RP_TRY(start(&d, seed, stream, tables ? tables : &none));
+    RP_TRY(run_finish(&d));
+    sweep_result_of(&d, result);
     return RP_OK;
 }
 

@@ -20,18 +20,9 @@
 CLI_OPTIONS(calibrate, CALIBRATE_OPTIONS)
 
 typedef struct {
-    const cli_call *call;
     const calibrate_options *o;
-    sweep_problem problem;
     bool made; /* runs of the last stage, now */
-    rp_folder folder;
 } calibration;
-
-static void free_calibration(calibration *c)
-{
-    sweep_problem_free(&c->problem);
-    rp_folder_end(&c->folder);
-}
 
 /* ---- runs ---- */
 
@@ -245,44 +236,45 @@ static rp_status write_file(const cli_call *call, const char *folder, const char
 }
 
 /* Grows in DIR.part, and gets its name when it is whole: not where --budget would give more. */
-static rp_status solve(calibration *c, const char *text, stats_answer *a)
+static rp_status solve(const cli_call *call, sweep_problem *s, const char *text, stats_answer *a)
 {
-    const cli_call *call = c->call;
-    sweep_problem *s = &c->problem;
-    const char *holds = rp_text(call->arena, "%s, key %s", s->path, s->key);
+    const calibrate_options *o = call->values;
+    RP_ENDS(rp_folder_end) rp_folder f = {0};
     if (s->quest.fixed_runs) return sweep_problem_solve(s, NULL, NULL, a);
-    RP_TRY(rp_folder_begin(call->arena, c->o->o, holds, c->o->force, &c->folder));
-    RP_TRY(sweep_problem_solve(s, c->folder.part, c->folder.snapshot, a));
+    RP_TRY(rp_folder_begin(call->arena, o->o, rp_text(call->arena, "%s, key %s", s->path, s->key), o->force,
+                           &f));
+    RP_TRY(sweep_problem_solve(s, f.part, f.snapshot, a));
     if (a->n_next > 0) return RP_OK;
-    if (text) RP_TRY(write_file(call, c->folder.part, "angle.cfg", text, s, a));
-    RP_TRY(write_file(call, c->folder.part, "answer.tsv", NULL, s, a));
-    return rp_folder_publish(&c->folder);
+    if (text) RP_TRY(write_file(call, f.part, "angle.cfg", text, s, a));
+    RP_TRY(write_file(call, f.part, "answer.tsv", NULL, s, a));
+    return rp_folder_publish(&f);
 }
 
 static rp_status calibrate(cli_call *call, const void *values)
 {
     const calibrate_options *o = values;
     const char *file = cli_argument(call, 0), *text = NULL;
-    RP_ENDS(free_calibration) calibration c = {.call = call, .o = o};
-    stats_answer a;
     if (file && (!isinf(o->theta_r_deg) || !isinf(o->error_deg) || !isinf(o->theta_t_deg) ||
                  !isinf(o->theta_t_error_deg)))
         return rp_fail(RP_USAGE, "%s says what is measured: no --theta-r-deg and no --theta-t-deg", file);
     if (!file) RP_TRY(write_angles(call, o, &text));
-    c.problem = (sweep_problem){.arena = call->arena,
-                                .path = text ? "angle.cfg" : cli_data(call->arena, file),
-                                .protocols = sweep_protocols,
-                                .command = call->line,
-                                .find = cli_data,
-                                .run = run_sweep,
-                                .context = &c,
-                                .quest.tell = tell};
-    RP_TRY(sweep_problem_read(&c.problem, text));
-    if (o->budget > 0) c.problem.quest.budget = (size_t)o->budget;
-    if (o->dry_run) return plan_alone(call, &c.problem);
-    RP_TRY(solve(&c, text, &a));
-    print_answer(call, &c.problem, &a);
-    return conclude(&c.problem, &a);
+    calibration c = {.o = o};
+    RP_ENDS(sweep_problem_free)
+    sweep_problem s = {.arena = call->arena,
+                       .path = text ? "angle.cfg" : cli_data(call->arena, file),
+                       .protocols = sweep_protocols,
+                       .command = call->line,
+                       .find = cli_data,
+                       .run = run_sweep,
+                       .context = &c,
+                       .quest.tell = tell};
+    stats_answer a;
+    RP_TRY(sweep_problem_read(&s, text));
+    if (o->budget > 0) s.quest.budget = (size_t)o->budget;
+    if (o->dry_run) return plan_alone(call, &s);
+    RP_TRY(solve(call, &s, text, &a));
+    print_answer(call, &s, &a);
+    return conclude(&s, &a);
 }
 
 const cli_command cmd_calibrate = {
@@ -291,29 +283,26 @@ const cli_command cmd_calibrate = {
     "FILE.cfg [-o DIR] [--budget RUNS] [--dry-run]\n"
     "--theta-r-deg ANGLE --error-deg SE [options]",
     "FILE.cfg: find up to three names of experiments (`let`) from several measured numbers. It has fit = { "
-    "NAME = [from, to]; } and measured = ( { experiment, of, value, error } ), where `of` is a column of the "
-    "experiment's sweep, and if wanted fixed = { ... }, model_error, protocol instead of experiment, or "
+    "NAME = [from, to]; } and measured = ( { experiment, of, value, error } ), where `of` is a column of "
+    "the experiment's sweep, and if wanted fixed = { ... }, model_error, protocol instead of experiment, or "
     "runs, a table of another program; where = \"CONDITION\" of the names, seed, budget. Each number is "
     "fitted by a polynomial of the names over the runs of a design, with more terms where the runs bend; "
-    "where "
-    "that agrees with the measurements, a smaller box gets more runs, until the answer is settled. Each "
-    "stage "
-    "says what is known. The first one takes 24 runs of each experiment for one name, 40 for two, 56 for "
-    "three. The result grows in DIR.part and becomes DIR when it is whole: answer.tsv, and of each stage and "
-    "experiment a sweep's file, as stage_1_1.cfg, and the table of its runs. After a stop or a kill the same "
-    "command continues; also, with more --budget, after the status budget.\n"
+    "where that agrees with the measurements, a smaller box gets more runs, until the answer is settled. "
+    "Each stage says what is known. The first one takes 24 runs of each experiment for one name, 40 for "
+    "two, 56 for three. The result grows in DIR.part and becomes DIR when it is whole: answer.tsv, and of "
+    "each stage and experiment a sweep's file, as stage_1_1.cfg, and the table of its runs. After a stop or "
+    "a kill the same command continues; also, with more --budget, after the status budget.\n"
     "\n"
     "--theta-r-deg: the friction of a box that is opened on one side, whose pile has this angle of repose; "
-    "--theta-t-deg: this tilting angle too. DIR/angle.cfg is the file that says so; for other piles change a "
-    "copy of it.\n"
+    "--theta-t-deg: this tilting angle too. DIR/angle.cfg is the file that says so; for other piles change "
+    "a copy of it.\n"
     "\n"
     "The interval from lower to upper is of 95 %, by profiles of chi2: of the measurement's error, the "
     "scatter of the runs, and the lack of fit. The header has each number's residual and reach, "
     "correlations, the combination of the names that is determined best, and how many points of the design "
     "the others find again. form p is the chance of such a misfit, beyond a tenth of the measurement's "
-    "error, "
-    "if the polynomial holds. Below 0.01 the runs reject it, and no value is printed. Repeated runs tell "
-    "it.\n"
+    "error, if the polynomial holds. Below 0.01 the runs reject it, and no value is printed. Repeated runs "
+    "tell it.\n"
     "\n"
     "status is one of\n"
 #define X(name, word, meaning) "  " word ": " meaning "\n"

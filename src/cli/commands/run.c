@@ -29,9 +29,8 @@ CLI_OPTIONS(run, RUN_OPTIONS)
 
 /* What a folder's tables are of, in their first lines. */
 typedef struct {
-    cli_call call; /* with the command line of the start */
-    char run[1024];
-    const char *start; /* what is to be known of it, or NULL */
+    cli_call call;           /* with the command line of the start */
+    const char *run, *start; /* of a folder; what is to be known of the start; or NULL */
 } origin;
 
 /* A run in the making, which looks on. Standard output holds the states alone, or what has been measured. */
@@ -76,14 +75,8 @@ static void put_origin(const void *context, rp_units units, FILE *out)
     cli_call call = of->call;
     call.units = units;
     cli_provenance(&call, out);
-    rp_table_note(out, "run", "%s", of->run);
-    if (of->start) rp_table_note(out, "start", "%s", of->start);
-}
-
-static void put_call(const void *context, rp_units units, FILE *out)
-{
-    (void)units;
-    cli_provenance(&((const origin *)context)->call, out);
+    if (of->run) rp_table_note(out, "run", "%s", of->run);
+    if (of->run && of->start) rp_table_note(out, "start", "%s", of->start);
 }
 
 static void free_run(a_run *r)
@@ -149,7 +142,8 @@ static rp_status name_run(a_run *r)
     for (int k = 0; k < RUN_TABLES; k++)
         used += snprintf(frames + used, sizeof frames - (size_t)used, r->every[k] < 0 ? " last" : " %ld",
                          r->every[k]);
-    snprintf(r->of.run, sizeof r->of.run, "%.400s%s, frames each%s, key %s", r->path, row, frames, key);
+    if (*r->o->o)
+        r->of.run = rp_text(r->of.call.arena, "%s%s, frames each%s, key %s", r->path, row, frames, key);
     return RP_OK;
 }
 
@@ -179,7 +173,7 @@ static rp_status open_result(a_run *r)
     const char *directory = r->o->o;
     bool resumed;
     run_sinks to = {.stages = is_row,
-                    .header = put_call,
+                    .header = put_origin,
                     .of = &r->of,
                     .stop = &stop_asked,
                     .host = &r->looks,
@@ -191,7 +185,7 @@ static rp_status open_result(a_run *r)
     if (*directory) {
         const char *holds = rp_text(r->of.call.arena, "%s%s", r->of.run, r->o->ledger ? ", ledger" : "");
         RP_TRY(rp_folder_begin(r->of.call.arena, directory, holds, r->o->force, &r->folder));
-        to.folder = r->folder.part, to.header = put_origin;
+        to.folder = r->folder.part;
         to.snapshot = r->folder.snapshot, to.owner = "repose run", to.interval = RUN_SNAPSHOT;
     } else if (r->plain) {
         to.states = r->of.call.out;
@@ -336,20 +330,18 @@ const cli_command cmd_run = {
     "`from` and `to` along the normal turned clockwise; an open wall has equal ends. In contacts.tsv, "
     "shear_force acts on the second body, along the way from the first turned clockwise, shear_spring has "
     "the other sign; rolling_torque acts on the first, rolling_spring is at the arm r_i r_j/(r_i + r_j). "
-    "`repose params scene` lists the keys of a scene file. The result grows in DIR.part and becomes DIR when "
-    "it "
-    "is whole; a finished one is replaced with --force alone. After a stop, a kill or a power cut the same "
-    "command "
-    "continues from the last snapshot, one a minute, and ends with the files of an undisturbed run. The "
-    "run ends with one line on standard error: grains, steps, at rest or not (a mean kinetic energy below "
-    "1e-7 m g d, and forces that balance to 1e-2 m g, by ten looks in the last 5000 steps), and theta_R by "
-    "method 3 where the surface at rest falls to one side by all three methods. The slope is measured from "
-    "the standing wall to the opened one, or over the whole pile if no wall opens.\n"
+    "`repose params scene` lists the keys of a scene file. The result grows in DIR.part and becomes DIR "
+    "when it is whole; a finished one is replaced with --force alone. After a stop, a kill or a power cut "
+    "the same command continues from the last snapshot, one a minute, and ends with the files of an "
+    "undisturbed run. The run ends with one line on standard error: grains, steps, at rest or not (a mean "
+    "kinetic energy below 1e-7 m g d, and forces that balance to 1e-2 m g, by ten looks in the last 5000 "
+    "steps), and theta_R by method 3 where the surface at rest falls to one side by all three methods. The "
+    "slope is measured from the standing wall to the opened one, or over the whole pile if no wall opens.\n"
     "\n"
     "SWEEP.cfg (a file with the key `protocol`): repeat one run of the sweep and print its results. The "
-    "folder gets the tables of this run. Of a text: grains, contacts and walls at the end of each "
-    "phase, phases.tsv, energies, and a file scene.cfg that `repose run` repeats bit for bit. For a static "
-    "pile: disks, contacts, wells and the forces on the base.",
+    "folder gets the tables of this run. Of a text: grains, contacts and walls at the end of each phase, "
+    "phases.tsv, energies, and a file scene.cfg that `repose run` repeats bit for bit. For a static pile: "
+    "disks, contacts, wells and the forces on the base.",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
     run_params,
     .refuses = "A folder with a finished result, or with other files: give another one, or --force.\n"
