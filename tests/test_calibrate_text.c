@@ -220,7 +220,7 @@ static void test_refused(void)
         {"fit = { mu = [0.8, 0.1]; };", "fit.cfg:1: mu: [0.8, 0.1]: a range from a smaller"},
         {"fit = { };", "one to 3 names"},
         {MU "colour = 1;", "colour: unknown key"},
-        {MU "value = 1;", "value: belongs to an entry of measured"},
+        {MU "value = 1;", "value: unknown key"},
         {MU "measured = ( { of = \"v\"; value = 1.0; error = 0.1; } );",
          "one of experiment, protocol and runs"},
         {MU MEASURED("slide.cfg", "v", "0.0") " );", "error = 0: out of range, allowed: (0, inf)"},

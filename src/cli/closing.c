@@ -188,9 +188,9 @@ rp_status cli_slope_of(rp_arena *arena, const dem_sim *sim, cli_slope *slope)
     return ang_one_sided(s.n, x, y, slope->x, s.d, &slope->theta_r);
 }
 
-void cli_close_line(const char *directory)
+void cli_close_line(const char *directory, const char *printed)
 {
-    fputs(*directory ? "; tables in " : "; states on standard output", stderr);
+    fprintf(stderr, "; %s%s", *directory ? "tables in " : printed, *directory ? "" : " on standard output");
     for (const char *c = directory; *c; c++) fputc(*c == '\n' || *c == '\r' ? ' ' : *c, stderr);
     fputc('\n', stderr);
 }
@@ -220,5 +220,5 @@ void cli_close_run(const cli_looks *looks, const dem_sim *sim, const char *direc
                 digit * round(slope.x[0] / digit) + 0.0, digit * round(slope.x[1] / digit) + 0.0,
                 unit_text(dem_units(sim), "cm", unit));
     }
-    cli_close_line(directory);
+    cli_close_line(directory, "states");
 }

@@ -143,13 +143,8 @@ static rp_status read_settings(sweep_problem *s, const config_setting_t *root)
         {"seed", "", RP_INT, AT(seed), "1", "[0, 2147483647]", "of the runs"},
         {"budget", "", RP_INT, AT(budget), "1000", "[1, 10000000]", "most runs"},
         {0}};
-    static const char *const of_measured[] = {"experiment", "protocol",    "of",   "value", "error",
-                                              "fixed",      "model_error", "runs", NULL};
     const config_setting_t *list = member(root, "measured"), *where = member(root, "where");
     rp_params_defaults(schema, RP_CGS, s);
-    for (const char *const *key = of_measured; *key; key++)
-        if (member(root, *key))
-            return rp_config_fail(member(root, *key), "%s: belongs to an entry of measured", *key);
     RP_TRY(rp_config_group(root, schema, s, "fit measured where"));
     RP_TRY(read_fit(s, member(root, "fit")));
     const int n = list && config_setting_is_list(list) ? config_setting_length(list) : 0;
@@ -331,11 +326,10 @@ static rp_status check_group(sweep_problem *s, size_t g, const char *path)
     double x[STATS_NAMES];
     rp_table *table;
     int column;
-    bool has[STATS_NAMES];
     for (size_t p = 0; p < s->quest.n_names; p++) x[p] = 0.5 * (s->quest.lo[p] + s->quest.hi[p]);
     RP_TRY(write_sweep(s, &s->group[g], path, 1, x, 1));
-    for (size_t p = 0; p < s->quest.n_names; p++) RP_TRY(sweep_has(path, s->protocols, s->name[p], &has[p]));
-    memcpy(s->group[g].has, has, sizeof has);
+    for (size_t p = 0; p < s->quest.n_names; p++)
+        RP_TRY(sweep_has(path, s->protocols, s->name[p], &s->group[g].has[p]));
     RP_TRY(write_sweep(s, &s->group[g], path, 1, x, 1));
     RP_TRY(sweep_columns(s->arena, path, s->protocols, SWEEP_RUNS, &table));
     for (size_t k = 0; k < s->quest.n_numbers; k++)

@@ -89,15 +89,6 @@ static void free_run(a_run *r)
 
 /* ---- its start ---- */
 
-/* Of the g of SI among values in cgs. */
-static void warn_gravity(const char *path, rp_units units, double g)
-{
-    if (units == RP_CGS && g > 9.7 && g < 9.9)
-        fprintf(stderr,
-                "repose: warning: %s: g = %g among values in cm, g and s; give units = \"si\", or g = %g\n",
-                path, g, 100.0 * g);
-}
-
 static rp_status read_scene(a_run *r)
 {
     RP_TRY(dem_text_open(r->path, NULL, &r->o->set, &r->text));
@@ -106,7 +97,11 @@ static rp_status read_scene(a_run *r)
     RP_TRY(exp_check(r->plan));
     const dem_scene *scene = exp_scene(r->plan);
     if (*scene->unused) fprintf(stderr, "repose run: particles_file: not used:%s\n", scene->unused);
-    warn_gravity(r->path, scene->def.units, rp_hypot(scene->def.gravity[0], scene->def.gravity[1]));
+    const double g = rp_hypot(scene->def.gravity[0], scene->def.gravity[1]);
+    if (scene->def.units == RP_CGS && g > 9.7 && g < 9.9) /* that of SI */
+        fprintf(stderr,
+                "repose: warning: %s: g = %g among values in cm, g and s; give units = \"si\", or g = %g\n",
+                r->path, g, 100.0 * g);
     const long own[] = {scene->output.states, scene->output.energy, scene->output.contacts,
                         scene->output.walls},
                every = r->o->every;
@@ -135,15 +130,15 @@ static rp_status read_row(a_run *r)
 
 static rp_status name_run(a_run *r)
 {
-    char row[32] = "", frames[128], key[33] = "of its protocol";
-    int used = 0;
+    rp_arena *arena = r->of.call.arena;
+    const char *frames = "", *row = r->row.protocol ? rp_text(arena, " row %ld", r->o->row) : "";
+    char key[33] = "of its protocol";
+    if (!*r->o->o) return RP_OK;
     if (r->plan) RP_TRY(run_key(r->plan, r->seed, r->stream, key));
-    if (r->row.protocol) snprintf(row, sizeof row, " row %ld", r->o->row);
     for (int k = 0; k < RUN_TABLES; k++)
-        used += snprintf(frames + used, sizeof frames - (size_t)used, r->every[k] < 0 ? " last" : " %ld",
-                         r->every[k]);
-    if (*r->o->o)
-        r->of.run = rp_text(r->of.call.arena, "%s%s, frames each%s, key %s", r->path, row, frames, key);
+        frames = r->every[k] < 0 ? rp_text(arena, "%s last", frames)
+                                 : rp_text(arena, "%s %ld", frames, r->every[k]);
+    r->of.run = rp_text(arena, "%s%s, frames each%s, key %s", r->path, row, frames, key);
     return RP_OK;
 }
 
@@ -215,12 +210,12 @@ static void print_measures(const a_run *r)
 {
     const cli_call *call = &r->of.call;
     cli_provenance(call, call->out);
-    if (!r->row.protocol) {
+    if (r->row.protocol) {
+        rp_table_note(call->out, "run_time", "%.3g s", rp_clock() - r->started);
+        cli_result_row(call, NULL, NULL, r->row.protocol->outputs, &r->result);
+    } else {
         run_write_measures(&r->driver, call->out);
-        return;
     }
-    rp_table_note(call->out, "run_time", "%.3g s", rp_clock() - r->started);
-    cli_result_row(call, NULL, NULL, r->row.protocol->outputs, &r->result);
 }
 
 /* The closing line of a run that measures. A word other than ok is no result. */
@@ -241,10 +236,7 @@ static rp_status close_measures(const a_run *r)
     for (size_t k = 0; k < n; k++)
         if (strcmp(of[k].name, "theta_r3_deg") == 0 && !isnan(exp_values(r->driver.run)[k]))
             fprintf(stderr, ", theta_R = %.1f degrees (method 3)", exp_values(r->driver.run)[k]);
-    if (*directory)
-        cli_close_line(directory);
-    else
-        fputs("; measures on standard output\n", stderr);
+    cli_close_line(directory, "measures");
     return RP_OK;
 }
 
