@@ -62,8 +62,16 @@ static void test_runs(void)
     PRINTS("theta_r3_deg\t1\t30\t1", "calibrate --theta-r-deg 30 --error-deg 1 -o d --dry-run");
     SHELL("! test -e d && ! test -e d.part"); /* a dry run writes nothing */
     /* two numbers of two texts, a name that one of them lacks */
-    SHELL("sed 's/mu_roll = 0.1; //; s/.*name = .both.*//; s/10\\*x. },/10*x\\\" } );/' slide.cfg "
-          ">other.cfg");
+    SHELL("sed 's/mu_roll/push/g' slide.cfg >pushed.cfg");
+    write_text("lacks.cfg",
+               "fit = { mu = [0.05, 0.45]; push = [0.0, 0.5]; };\n"
+               "measured = ( { experiment = \"pushed.cfg\"; of = \"both\"; value = 16.0; error = 0.5; },\n"
+               " { experiment = \"slide.cfg\"; of = \"v\"; value = 12.05; error = 0.3; } );\n");
+    GOOD("calibrate lacks.cfg -o h --quiet");
+    CHECK_NEAR(found("mu", "value"), 0.3, 0.02);
+    CHECK_NEAR(found("push", "value"), 0.2, 0.05);
+    SHELL("grep -q push h/stage_1_1.cfg && ! grep -q push h/stage_1_2.cfg");
+    /* of one text with values of its own, where not all is allowed */
     write_text(
         "two.cfg",
         "fit = { mu = [0.05, 0.45]; mu_roll = [0.0, 0.5]; }; where = \"mu_roll < 2*mu\"; budget = 900;\n"

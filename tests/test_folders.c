@@ -28,6 +28,7 @@ static void test_refusals(void)
     write_text("w2.cfg", SWEEP);
     GOOD("run s.cfg -o r");
     GOOD("sweep make w.cfg -o w -j 1 --quiet");
+    GOOD("export r --to vtk -o v.pvd");
     static const char *const cases[][3] = {
         {"cp -r r/. d", "run s.cfg -o d", "d: holds s.cfg, frames each last last last last, key "},
         {"cp -r r/. d", "pile -o d", "; give another folder, or --force to replace it"},
@@ -61,6 +62,8 @@ static void test_refusals(void)
         {"echo a >d/a.pvd", "export r --to vtk -o d/a.pvd", "d/a.pvd: is there"},
         {"mkdir d/a_frames && echo a >d/a_frames/grains_000000.vtp", "export r --to vtk -o d/a.pvd --force",
          "d/a_frames/grains_000000.vtp: not of a result"},
+        {"cp -r v_frames d/a_frames", "export r --to vtk -o d/a.pvd",
+         "d/a_frames: holds frames of v.pvd; give another folder, or --force"},
         {"echo a >d/a.contacts.lammpstrj", "export r --to lammps -o d/a.lammpstrj",
          "d/a.contacts.lammpstrj: is there"},
         {"echo a >d/a.in", "export s.cfg --to lammps-input -o d/a.in", "d/a.in: is there"},
