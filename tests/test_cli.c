@@ -306,8 +306,8 @@ static void test_bad_sweeps(void)
     SHELL("! test -e d");
     write_text("s.cfg", "protocol = \"repose\"; replicas = 2; seed = 1;\n");
     FAILS(64, "--row N -o DIR", "run s.cfg");
-    FAILS(64, "--set needs a scene", "run s.cfg --set mu=0.3 -o d");
-    FAILS(64, "-j needs a scene", "run s.cfg -j 2 -o d");
+    FAILS(64, "-j and --set need a scene", "run s.cfg --set mu=0.3 -o d");
+    FAILS(64, "-j and --set need a scene", "run s.cfg -j 2 -o d");
     FAILS(65, "row = 2: out of range, allowed: [0, 1]", "run s.cfg --row 2 -o d");
     GOOD("sweep plan s.cfg -o d");
     FAILS(1, "missing", "sweep digest d");

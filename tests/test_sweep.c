@@ -872,11 +872,8 @@ static void test_bad_folders(void)
                 "cannot make the directory"); /* below a regular file */
     CHECK_OK(prepare());
     CHECK_FAILS(run(0), RP_BAD_INPUT, "workers = 0");
-    const sweep_protocol *protocol;
-    sweep_result result;
-    const sweep_tables tables = {base, 1, NULL};
     RP_SCOPE(arena);
-    CHECK_FAILS(sweep_trace(file, toys, 40, &tables, &arena, &protocol, &result), RP_BAD_INPUT,
+    CHECK_FAILS(sweep_read_again(file, toys, 40, &arena, &(sweep_again){0}), RP_BAD_INPUT,
                 "allowed: [0, 39]");
     unlink(store);
     CHECK_FAILS(run(1), RP_BAD_INPUT, "store.sqlite: no store; `repose sweep plan` makes it");

@@ -16,6 +16,19 @@
  * once, some tenths of a second, after which a signal and progress are seen. */
 static const double LOOK = 2e3, MOST = 1e7;
 
+rp_status run_key(const exp_plan *plan, unsigned long seed, unsigned long stream, char digits[33])
+{
+    XXH128_hash_t sum;
+    exp_measured m;
+    RP_TRY(exp_key(plan, &sum));
+    for (size_t k = 0; k < exp_measure_count(plan); k++) {
+        RP_TRY(exp_measure_at(plan, k, &m));
+        if (m.n_outputs > 0) sum = rp_hash_add(sum, m.key);
+    }
+    rp_hash_digits(rp_hash_add(sum, XXH3_128bits((unsigned long[]){seed, stream}, 2 * sizeof seed)), digits);
+    return RP_OK;
+}
+
 rp_status run_start(exp_plan *plan, unsigned long seed, unsigned long stream, run_driver *d)
 {
     *d = (run_driver){.plan = plan, .seed = seed, .stream = stream, .threads = 1};
@@ -54,15 +67,6 @@ static rp_status read_back(run_driver *d)
     return rp_snapshot_end(&s);
 }
 
-static rp_status resume(run_driver *d)
-{
-    const rp_status status = read_back(d);
-    char why[1024];
-    if (!status || !d->to.folder) return status;
-    snprintf(why, sizeof why, "%s", rp_message());
-    return rp_fail(status, "%s; remove %s to begin anew", why, d->to.folder);
-}
-
 rp_status run_open(run_driver *d, const run_sinks *to, bool *resumed)
 {
     *resumed = false;
@@ -70,7 +74,9 @@ rp_status run_open(run_driver *d, const run_sinks *to, bool *resumed)
     d->to = *to;
     d->next = rp_cpu_clock() + to->interval;
     *resumed = to->snapshot && access(to->snapshot, F_OK) == 0;
-    RP_TRY(*resumed ? resume(d) : run_open_tables(d, false));
+    rp_status status = *resumed ? read_back(d) : run_open_tables(d, false);
+    if (*resumed && to->folder) status = rp_prefix(status, "remove %s to begin anew: ", to->folder);
+    RP_TRY(status);
     return run_begin_tables(d, *resumed);
 }
 
