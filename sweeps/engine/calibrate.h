@@ -7,8 +7,6 @@
 #include "stats/identify.h"
 #include "sweeps/engine/sweep.h"
 
-RP_C_BEGIN
-
 /* A number that was measured, a column `of` runs. */
 typedef struct {
     const char *of, *experiment, *protocol, *runs;
@@ -69,7 +67,5 @@ rp_status sweep_problem_solve(sweep_problem *problem, const char *folder, const 
  * NULL: none stands out. Texts of the problem's arena. */
 const char *sweep_problem_combination(const sweep_problem *problem, const stats_answer *answer);
 const char *sweep_problem_separator(const sweep_problem *problem, const stats_answer *answer);
-
-RP_C_END
 
 #endif
