@@ -6,6 +6,7 @@
  * alike. They do as usual until a drill orders a failure. */
 #include <errno.h>
 #include <signal.h>
+#include <stdarg.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>

@@ -131,8 +131,7 @@ static const cli_command
          "A paragraph of which two lines\nare filled in here, with a_mark.\n  a line as it is\nOther words.",
          "made do it x",
          options_of_do,
-         "One thing.\nAnother thing, which is said in so many words that they go on below.",
-         .prints_text = true},
+         "One thing.\nAnother thing, which is said in so many words that they go on below."},
     do_all = {"do", "what is done", .group = (const cli_command *const[]){&do_it, NULL}};
 static const cli_program made = {"made", "Made", "a program", (const cli_command *const[]){&do_all, NULL}};
 

@@ -152,7 +152,10 @@ int cli_main(const cli_program *program, int argc, char **argv);
 /* The program `repose`. */
 extern const cli_program cli_repose;
 
-/* The last word of a command's name, the one to type. */
+/* The text of an option in help, meaning, unit, range and default. What stands before its name: one
+ * dash before a letter, else two. The last word of a command's name, the one to type. */
+const char *cli_option_text(rp_arena *arena, const rp_param *option);
+const char *cli_dashes(const rp_param *option);
 const char *cli_own_name(const cli_command *command);
 
 /* sweep_run with these options, workers below 1: one per processor; its progress unless `quiet`, and

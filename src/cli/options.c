@@ -7,12 +7,12 @@
 #include "cli/cli.h"
 #include "params/guess.h"
 
-static const char *dashes_of(const rp_param *option)
+const char *cli_dashes(const rp_param *option)
 {
     return strlen(option->name) == 1 ? "-" : "--";
 }
 
-static const char *option_text(rp_arena *arena, const rp_param *p)
+const char *cli_option_text(rp_arena *arena, const rp_param *p)
 {
     const char *separator = p->range && *p->range ? "; " : "", *open = "", *close = "";
     const bool known = p->fallback && *p->fallback && p->type != RP_BOOL;
@@ -85,8 +85,8 @@ static void print_help(const cli_call *call)
     print_about(call->out, c->about);
     fputs("\noptions:\n", call->out);
     for (const rp_param *p = call->options; p->name; p++) {
-        const char *text = option_text(call->arena, p);
-        fprintf(call->out, "  %-22s ", rp_text(call->arena, "%s%s", dashes_of(p), p->name));
+        const char *text = cli_option_text(call->arena, p);
+        fprintf(call->out, "  %-22s ", rp_text(call->arena, "%s%s", cli_dashes(p), p->name));
         print_words(call->out, text, strlen(text), 25, 25);
         fputc('\n', call->out);
     }
@@ -153,7 +153,7 @@ static rp_status check_given(const cli_call *call)
     const cli_command *c = call->command;
     for (size_t i = 0; call->options[i].name; i++)
         if (!call->options[i].fallback && !call->given[i])
-            return rp_fail(RP_USAGE, "%s%s is required (%s); see %s %s --help", dashes_of(&call->options[i]),
+            return rp_fail(RP_USAGE, "%s%s is required (%s); see %s %s --help", cli_dashes(&call->options[i]),
                            call->options[i].name, call->options[i].meaning, call->program->name, c->name);
     for (int i = 1; i < call->n_arguments; i++) /* it would count twice */
         for (int k = 0; k < i; k++)
@@ -223,10 +223,10 @@ rp_status cli_parse(cli_call *call, const cli_command *command, int argc, char *
                            call->program->name, command->name);
         const rp_param *p = c < 256 ? rp_params_find(call->options, letter + 1) : &call->options[c - 256];
         if (p->type == RP_TEXT && !*optarg && (!p->fallback || !*p->fallback)) /* as of -o "$unset" */
-            return rp_fail(RP_USAGE, "%s%s: empty; leave it out, or give a value", dashes_of(p), p->name);
+            return rp_fail(RP_USAGE, "%s%s: empty; leave it out, or give a value", cli_dashes(p), p->name);
         call->given[p - call->options] = true;
         status = rp_params_set_text(p, RP_CGS, call->values, p->type == RP_BOOL ? "true" : optarg);
-        rp_prefix(status, "%s", dashes_of(p));
+        rp_prefix(status, "%s", cli_dashes(p));
     }
     call->n_arguments = argc - optind;
     call->arguments = argv + optind;
