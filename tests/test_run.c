@@ -211,9 +211,13 @@ static void stopped_phases(void)
     write_trial("a.cfg", acting);
     CU_ASSERT(run_by_minutes(SIGINT, "snapshot", 2, "run a.cfg -o d") == 75);
     CHECK_PARTS(err, "stopped at step ", " of fall: step ", "; the same command continues");
-    static const char *const others[] = {"tangential.mu=0.3", "times=4", "measure[0].every=31", "seed=3"};
+    static const char *const others[] = {"tangential.mu=0.3", "times=4", "measure[0].every=31",
+                                         "measure[1].series=true", "seed=3"};
     for (size_t k = 0; k < sizeof others / sizeof *others; k++)
         FAILS(65, "d.part: holds a.cfg, frames each 500 ", "run a.cfg -o d --set %s", others[k]);
+    SHELL("cp a.cfg b; sed -i '/name = \"most\"/{h;d};/name = \"flow\"/G' a.cfg; ! cmp -s a.cfg b");
+    FAILS(65, "d.part: holds a.cfg, frames each 500 ", "run a.cfg -o d"); /* samples are kept by place */
+    SHELL("mv b a.cfg");
     CU_ASSERT(run("run a.cfg -o d --set 'measure[0].meaning=height' --set tangential.mu=0.40") == 0);
     CHECK_PARTS(err, "continues from step ");
 }

@@ -23,9 +23,13 @@ rp_status run_key(const exp_plan *plan, unsigned long seed, unsigned long stream
     RP_TRY(exp_key(plan, &sum));
     for (size_t k = 0; k < exp_measure_count(plan); k++) {
         RP_TRY(exp_measure_at(plan, k, &m));
-        if (m.n_outputs > 0) sum = rp_hash_add(sum, m.key);
+        /* a snapshot has the samples by place, and a series of those that its table has */
+        const unsigned long series = m.series;
+        const XXH128_hash_t parts[] = {sum, m.key, XXH3_128bits(&series, sizeof series)};
+        if (m.n_outputs > 0) sum = XXH3_128bits(parts, sizeof parts);
     }
-    rp_hash_digits(rp_hash_add(sum, XXH3_128bits((unsigned long[]){seed, stream}, 2 * sizeof seed)), digits);
+    const XXH128_hash_t all[] = {sum, XXH3_128bits((unsigned long[]){seed, stream}, 2 * sizeof seed)};
+    rp_hash_digits(XXH3_128bits(all, sizeof all), digits);
     return RP_OK;
 }
 
@@ -44,11 +48,12 @@ void run_free(run_driver *d)
 
 /* ---- snapshots ---- */
 
-/* Another commit may keep other variables. */
+/* Another commit may keep other variables, and another build of changed sources has other laws. */
 static uint64_t layout(void)
 {
-    return XXH3_64bits_withSeed(rp_build_commit, strlen(rp_build_commit),
-                                dem_keep_layout() ^ exp_keep_layout() << 20);
+    const uint64_t kept = dem_keep_layout() ^ exp_keep_layout() << 20;
+    const uint64_t sources = XXH3_64bits_withSeed(rp_build_sources, strlen(rp_build_sources), kept);
+    return XXH3_64bits_withSeed(rp_build_commit, strlen(rp_build_commit), sources);
 }
 
 static void keep_all(run_driver *d, rp_snapshot *s)
