@@ -197,7 +197,7 @@ static char *between(const char **at, const char *before, const char *after)
  * one word, and as that name. */
 static void test_random_folders(void)
 {
-    enum { NAMES = 1000, WORDS = 5 };
+    enum { NAMES = 300, WORDS = 5 };
     scoped_rng *rng = numbers_of(2385, 8);
     char root[FOLDER_PATH], name[NAMES][NUMBERS_TEXT];
     folder_make_in_memory("folders", root);
