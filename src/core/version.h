@@ -6,7 +6,7 @@
 
 RP_C_BEGIN
 
-#define RP_VERSION "0.2.0"
+#define RP_VERSION "0.3.0"
 
 /* Version of the physics: a result stored under another number is never reused. Raise it whenever the
  * bits of a run change; the golden digests in tests/test_golden.c fail otherwise. */
