@@ -682,7 +682,7 @@ static double ray_height(const double top[COLUMNS], double middle, double x, dou
 /* Twenty points to a bin. */
 static void check_rays(checked *o, const rp_table *grains, const bool away[])
 {
-    double top[COLUMNS] = {0.0}, rays[20] = {0.0}, sum = 0.0, inner = 0.0, beside = 0.0;
+    double top[COLUMNS] = {0.0}, rays[20] = {0.0}, sum = 0.0, inner = 0.0, beside = 0.0, of_rays = 0.0;
     for (size_t i = 0; i < grains->n_rows; i++) {
         double *t = &top[(size_t)(cell(grains, i, "x") + 30.0)];
         if (!away[i]) *t = fmax(*t, cell(grains, i, "y") + cell(grains, i, "r"));
@@ -697,10 +697,13 @@ static void check_rays(checked *o, const rp_table *grains, const bool away[])
         CHECK_NEAR(at(o, 0, check_text("rays_%02d", b + 1)), 20.0 * rays[b] / sum, 1e-9);
         const double distance = fabs(b - 9.5), n = at(o, 0, check_text("n_%02d", b + 1));
         if (distance < 2.0) inner += (n - 20.0 * rays[b] / sum) / 4.0;
-        beside += distance < 2.0 ? n / 4.0 : distance < 4.0 ? -n / 4.0 : 0.0;
+        const double share = distance < 2.0 ? 0.25 : distance < 4.0 ? -0.25 : 0.0;
+        beside += share * n, of_rays += share * 20.0 * rays[b] / sum;
     }
     CHECK_NEAR(at(o, 0, "excess"), inner, 1e-9);
     CHECK_NEAR(at(o, 0, "middle"), beside, 1e-12);
+    CHECK_EACH(at(o, 0, NAME), 1e-9, {"rays_middle", of_rays}, {"arching", beside - of_rays},
+               {"minimum", beside < 0.0 ? 1.0 : 0.0});
 }
 
 /* Disks glued to the base have their centres on it. */

@@ -148,27 +148,25 @@ static char *printed(int argc, char **argv)
     return text;
 }
 
-static const char help_of_do[] = "usage: made do it FILE --a-length CM [-n NUMBER] [--word\n"
-                                 "           one|two] [--flag]\n"
-                                 "       made do it FILE\n\n"
-                                 "A paragraph of which two lines are filled in here, with\n"
-                                 "a_mark.\n"
-                                 "  a line as it is\n"
-                                 "Other words.\n\n"
-                                 "options:\n"
-                                 "  --a-length             for which a line of sixty columns\n"
-                                 "                         has no room, cm; > 0 (required)\n"
-                                 "  -n                     a number (default 1)\n"
-                                 "  --word                 with marks \\`*_{}[]<>#~^$@|+!&-;\n"
-                                 "                         one | two (default one)\n"
-                                 "  --flag                 yes or no\n"
-                                 "  --help                 this text\n\n"
-                                 "refuses:\n"
-                                 "  One thing.\n"
-                                 "  Another thing, which is said in so many words that they go\n"
-                                 "    on below.\n\n"
-                                 "example:\n"
-                                 "  made do it x\n";
+static const char help_of_do[] =
+    "usage: made do it FILE --a-length CM [-n NUMBER] [--word one|two] [--flag]\n"
+    "       made do it FILE\n\n"
+    "A paragraph of which two lines are filled in here, with a_mark.\n"
+    "  a line as it is\n"
+    "Other words.\n\n"
+    "options:\n"
+    "  --a-length             for which a line of sixty columns has no room, cm; > 0\n"
+    "                         (required)\n"
+    "  -n                     a number (default 1)\n"
+    "  --word                 with marks \\`*_{}[]<>#~^$@|+!&-; one | two (default\n"
+    "                         one)\n"
+    "  --flag                 yes or no\n"
+    "  --help                 this text\n\n"
+    "refuses:\n"
+    "  One thing.\n"
+    "  Another thing, which is said in so many words that they go on below.\n\n"
+    "example:\n"
+    "  made do it x\n";
 static const char manual_of_do[] =
     "## repose do\n\nwhat is done\n\n## repose do it\n\n"
     "**repose do it** FILE \\-\\-a\\-length CM \\[\\-n NUMBER\\] \\[\\-\\-word one\\|two\\] "
@@ -210,10 +208,8 @@ static const char completion_of_do[] =
 static void test_form(void)
 {
     char it[] = "it", help[] = "help", form[] = "--help", markdown[] = "--markdown", bash[] = "--completion";
-    setenv("COLUMNS", "60", 1);
     scoped char *text = printed(2, (char *[]){it, form, NULL});
     CU_ASSERT_STRING_EQUAL(text, help_of_do);
-    unsetenv("COLUMNS");
     scoped char *manual = printed(2, (char *[]){help, markdown, NULL});
     char *from = strstr(manual, "## repose do\n"), *to = strstr(manual, "# KEYS");
     CU_ASSERT_FATAL(from && to);
