@@ -60,11 +60,10 @@ $(B)/commit: FORCE
 	@mkdir -p $(@D); c=$$(grep -v Format .commit 2>/dev/null || git describe --always 2>/dev/null || echo unknown); \
 	[ ! -e .git ] || git diff --quiet HEAD -- . ':!results' || c=$$c-dirty; \
 	[ "$$c" = "$$(cat $@ 2>/dev/null)" ] || echo "$$c" > $@
-# So are the sources of the physics, with those that hold defaults of scenes and phases: their text without comments and
-# blanks makes the model of a store.
-PHYSICS := $(sort $(wildcard $(foreach d,$(filter-out src/dem/scene,$(call rooms,dem)) src/experiment/modules src/angle src/statics \
-           sweeps/protocols,$(d)/*.[ch] $(d)/*.inl)) src/stats/series.c \
-           $(shell grep -lE '^(static )?const rp_param [a-z_]+\[\] = ' src/dem/scene/*.c src/experiment/*.c))
+# So are the sources of what a run yields: their text without comments and blanks makes the model of a store.
+PHYSICS := $(sort $(wildcard $(foreach d,$(call rooms,dem) $(call rooms,exp) $(call rooms,angle) $(call rooms,statics) sweeps/protocols, \
+           $(d) $(d)/*.[ch] $(d)/*.inl)) $(wildcard src/core/random.* src/core/elementary.* src/params/expression.* src/stats/series.*))
+PHYSICS := $(filter %.c %.h %.inl,$(PHYSICS))
 $(B)/sources: FORCE
 	@mkdir -p $(@D); h=$$(cat $(PHYSICS) | LC_ALL=C sed -zE 's:/\*([^*]|\*+[^*/])*\*+/::g; s/[[:space:]]+//g' | sha256sum | head -c 16); \
 	[ "$$h" = "$$(cat $@ 2>/dev/null)" ] || echo $$h > $@

@@ -68,8 +68,8 @@ fi
 if ! command -v clang-format >/dev/null; then
     echo "lint: no clang-format: the format is not checked"
 else
-    for file in $(find analytic report src sweeps tests validation examples -name '*.[ch]' -o -name '*.inl'); do
-        clang-format --assume-filename=x.c "$file" | cmp -s - "$file" || { echo "lint: clang-format -i $file" && bad=1; }
-    done
+    find analytic report src sweeps tests validation examples -name '*.[ch]' -o -name '*.inl' | xargs -P "$(nproc)" -n 16 sh -c '
+        for file; do clang-format --assume-filename=x.c "$file" | cmp -s - "$file" || echo "lint: clang-format -i $file"; done' sh |
+        grep . && bad=1
 fi
 exit $bad

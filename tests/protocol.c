@@ -47,7 +47,20 @@ void protocol_trace(const sweep_protocol *protocol, const void *params, long eve
     const char *folder = path_of("t");
     SHELL("rm -rf t && mkdir t");
     CHECK_OK(protocol->check(params));
-    CHECK_OK(protocol->run(params, 1993, 0, &(sweep_tables){folder, every, no_header}, result));
+    exp_plan *plan;
+    run_driver d;
+    bool resumed;
+    CHECK_OK(sweep_protocol_plan(protocol, params, &plan));
+    if (!plan) CHECK_OK(protocol->run(params, 1993, 0, &(sweep_tables){folder, no_header}, result));
+    if (!plan) return;
+    CHECK_OK(run_start(plan, 1993, 0, &d));
+    CHECK_OK(run_open(&d, &(run_sinks){folder, true, .every = {[RUN_ENERGY] = every}, .header = no_header},
+                      &resumed));
+    CHECK_OK(run_finish(&d));
+    CHECK_OK(run_sync(&d));
+    sweep_result_of(&d, result);
+    run_free(&d);
+    exp_free(plan);
 }
 
 void protocol_box(double W, double H, long run, const double steps[2], dem_sim **sim)

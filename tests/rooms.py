@@ -83,15 +83,16 @@ def wrong_includes(sources, rooms, uses):
 def names_of(sources, build):
     """The file that defines each name, and the names that each file uses of others."""
     defines, uses = {}, collections.defaultdict(set)
-    for path in sources:
-        thing = f"{build}/obj/{path[:-2]}.o"
-        if path.endswith(".c") and os.path.exists(thing):
-            for line in subprocess.run(["nm", "-g", thing], capture_output=True, text=True, check=True).stdout.splitlines():
-                kind, name = line.split()[-2:]
-                if kind == "U":
-                    uses[path].add(name)
-                else:
-                    defines[name] = path
+    paths = {f"{build}/obj/{path[:-2]}.o": path for path in sources if path.endswith(".c")}
+    things = [thing for thing in paths if os.path.exists(thing)]
+    listed = subprocess.run(["nm", "-A", "-g", *things], capture_output=True, text=True, check=True).stdout if things else ""
+    for line in listed.splitlines():
+        path = paths[line.split(":")[0]]
+        kind, name = line.split()[-2:]
+        if kind == "U":
+            uses[path].add(name)
+        else:
+            defines[name] = path
     return defines, uses
 
 

@@ -106,8 +106,6 @@ static void test_wrong_usage(void)
         {64, "unknown option -q", "sweep export d --reduce -qz"},
         {64, "unknown option -j; see repose sweep export --help", "sweep export d -j2"},
         {64, "unknown option -j; see repose lattice --help", "lattice -j 2"},
-        {65, "-j = 0: out of range, allowed: [1, 256]", "run s.cfg -j 0"},
-        {65, "-j = 0: out of range, allowed: [1, 256]", "bench -j 0"},
         {64, "option --layers needs a value", "lattice --layers"},
         {64, "option -o needs a value", "sweep plan s.cfg -o"},
         {64, "--alpha-deg is required", "continuum"},
@@ -165,7 +163,7 @@ static bool kill_at(long k, char *const words[])
  * same command then does it. A shard that is killed so does not keep the others from being read. */
 static void test_killed_plans(void)
 {
-    static char *const first[] = {"repose", "sweep", "plan", "s.cfg", "-o", "d", "--quiet", NULL},
+    static char *const first[] = {"repose", "sweep", "plan", "s.cfg", "-o", "d", NULL},
                        *const more[] = {"repose", "sweep",      "plan", "s.cfg", "-o",
                                         "d",      "--replicas", "3",    NULL},
                        *const shard[] = {"repose", "sweep", "run", "d", "-j", "1", "--shard", "1/2", NULL};
@@ -247,7 +245,6 @@ static void test_bench(void)
     FAILS(65, "none.tsv: cannot read", "bench --start none.tsv");
     FAILS(65, "no column \"r\"", "bench --start short.tsv");
     FAILS(65, "mu_roll = 0.1: needs rotation", "bench --mu-roll 0.1");
-    FAILS(65, "--size-ratio = 0.5: out of range", "bench --size-ratio 0.5");
 }
 
 #define GRAIN "{ x = 0.1; y = 0.2; r = 0.1; }"
@@ -309,8 +306,8 @@ static void test_bad_sweeps(void)
     SHELL("! test -e d");
     write_text("s.cfg", "protocol = \"repose\"; replicas = 2; seed = 1;\n");
     FAILS(64, "--row N -o DIR", "run s.cfg");
-    FAILS(64, "--set needs a scene", "run s.cfg --set mu=0.3 -o d");
-    FAILS(64, "-j needs a scene", "run s.cfg -j 2 -o d");
+    FAILS(64, "-j and --set need a scene", "run s.cfg --set mu=0.3 -o d");
+    FAILS(64, "-j and --set need a scene", "run s.cfg -j 2 -o d");
     FAILS(65, "row = 2: out of range, allowed: [0, 1]", "run s.cfg --row 2 -o d");
     GOOD("sweep plan s.cfg -o d");
     FAILS(1, "missing", "sweep digest d");
@@ -358,25 +355,6 @@ static void test_broken_output(void)
 
 /* ---- values ---- */
 
-/* The suites `tables` and `notes` have lattices, continua and the dip. */
-static void test_static_models(void)
-{
-    /* a tent whose slopes are equal is a triangle */
-    scoped_table t = TABLE_OF("continuum --alpha-deg 23.85 --points 31");
-    scoped_table tent = TABLE_OF("tent --outer-deg 23.85 --inner-deg 23.85 --x1 0.2385 --points 31");
-    CU_ASSERT(t.n_rows == 31 && tent.n_rows == 31);
-    for (size_t i = 0; i < 31; i++) {
-        CHECK_PAIRS(FORM_TOLERANCE, {cell(&t, i, "x/B"), (double)i / 30.0},
-                    {cell(&tent, i, "x/B"), (double)i / 30.0},
-                    {cell(&tent, i, "y/B"), tan(23.85 * deg) * fmin((double)i, 30.0 - (double)i) / 30.0});
-        CHECK_EACH(cell(&tent, i, NAME), FORM_TOLERANCE, {"N/(chi*g*B)", cell(&t, i, "N/(chi*g*B)")},
-                   {"H/(chi*g*B)", cell(&t, i, "H/(chi*g*B)")});
-    }
-
-    /* a steeper outer slope has no dip */
-    PRINTS("# dip: 0: ", "tent --outer-deg 45 --inner-deg 30 --x1 0.38");
-}
-
 static void test_angles(void)
 {
     /* half a unit of the last printed digit */
@@ -401,6 +379,11 @@ static void test_angles(void)
                    {"theta_ms_deg", atan(0.6) / deg}, {"limit_deg", forms[i].limit});
         CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "ok");
     }
+    AGAIN_OF(t, "angle marginal --mu 0.2 --phi-deg 50"); /* tan theta_MS = mu tan^2 phi */
+    const double marginal = atan(0.2 * pow(tan(50.0 * deg), 2.0)) / deg;
+    CHECK_NEAR(cell(&t, 0, "theta_ms_deg"), marginal, FORM_TOLERANCE);
+    AGAIN_OF(t, "angle tilt --mu 0.2 --theta-r-deg 10 --phi-deg 50");
+    CHECK_NEAR(cell(&t, 0, "margin_deg"), marginal - 10.0, FORM_TOLERANCE);
     AGAIN_OF(t, "angle tilt --mu 0.2 --theta-r-deg 38.5");
     CU_ASSERT_STRING_EQUAL(word(&t, 0, "theta_t_deg"), "nan");
     CHECK_NEAR(cell(&t, 0, "margin_deg"), atan(0.6) / deg - 38.5, FORM_TOLERANCE);
@@ -666,25 +649,6 @@ static void test_stress_tables(void)
     FAILS(65, "no column \"id_b\"", "stress field r --width 4");
 }
 
-/* Rows of piles without a result or an excess do not count. */
-static void test_stress_dip(void)
-{
-    FILE *file = file_of("piles.tsv");
-    fprintf(file, "# status\texcess");
-    for (int k = 1; k <= 20; k++) fprintf(file, "\tn_%02d", k);
-    for (int i = 0; i < 6; i++) {
-        static const char *const excess[] = {"-0.1", "0.1", "0.3", "10", "nan", "0.1"};
-        fprintf(file, "\n%s\t%s", i == 3 ? "not_at_rest" : "ok", excess[i]);
-        for (int k = 0; k < 20; k++) fprintf(file, "\t%d", k == 8 || k == 11 ? 2 : 1);
-    }
-    fclose(file);
-    scoped_table t = TABLE_OF("stress dip piles.tsv");
-    CHECK_NEAR(cell(&t, 0, "n"), 4.0, 0.0);
-    CHECK_EACH(cell(&t, 0, NAME), 1e-15, {"excess", 0.1}, {"middle", 0.5 / 1.1});
-    SHELL("sed 's/\\t[12]\\b/\\t0/g' piles.tsv >flat.tsv");
-    FAILS(65, "flat.tsv:2: n_01 to n_20: sum = 0: out of range", "stress dip flat.tsv");
-}
-
 /* Piles with an unfinished drop, and layers, are failed runs, excluded from the mean dip. */
 static void test_cut_drops(void)
 {
@@ -891,26 +855,14 @@ static void test_claims(void)
     CHECK_CELLS({"high", "verdict", "reproduced"});
 }
 
-/* Three claims of one question, by themselves and as a family. Chances 0.03, 0.03 and 0.0027 are raised to
- * 0.06, 0.06 and 0.008; of no change, 0.0228 and 0.0013 to 0.0455 and 0.0027. */
+/* Claims of one question: of no change chances 0.0228 and 0.0013 are raised to 0.0455 and 0.0027. The suite
+ * `evidence` has families of inequalities and trends. */
 static void test_families(void)
 {
-#define ROWS(family)                                                                                         \
-    MEMBER("first", family, "rises", "9", "t k=1 change", "-")                                               \
-    MEMBER("second", family, "falls", "9", "t k=2 change", "-")                                              \
-    MEMBER("third", family, "above", "-", "t k=3 v", "0")                                                    \
-    MEMBER("other", "-", "rises", "9", "t k=1 change", "-")
     write_text("t.tsv", "# k\tv\tv_se\tchange\tchange_se\tdof\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
                         "1\t3\t1\t4\t1\tinf\t-9\t17\t0.03\t0.04\n2\t3\t1\t-4\t1\tinf\t-17\t9\t0.03\t0.04\n"
                         "3\t3\t1\t4\t1\tinf\t-9\t17\t0.5\t0.5\n4\t3\t1\t0\t0.5\tinf\t-0.8\t0.8\t0.9\t0.9\n"
                         "5\t3\t1\t0\t1\tinf\t-0.8\t0.8\t0.9\t0.9\n");
-    JUDGE(ROWS("-"));
-    CHECK_CELLS({"first", "verdict", "reproduced"}, {"second", "verdict", "reproduced"},
-                {"third", "verdict", "reproduced"});
-    JUDGE(ROWS("question"));
-    CHECK_CELLS({"first", "detail", "reproduced without the correction for 3 tests of one question"},
-                {"second", "verdict", "open"}, {"third", "verdict", "reproduced"},
-                {"other", "verdict", "reproduced"});
     /* a table that is not there is no test */
     JUDGE(MEMBER("first", "q", "rises", "9", "t k=1 change", "-")
               MEMBER("gone", "q", "rises", "9", "nowhere k=1 change", "-"));
@@ -980,7 +932,7 @@ static void test_bad_claims(void)
     BAD(PLAIN("a", "above", "-", "t k=1 v", "0"), "claim a: ./t.tsv: 2 rows for \"t k=1 v\", one expected");
     BAD(PLAIN("a", "above", "-", "t k=2 v", "0"), "0 rows");
     BAD(PLAIN("a", "above", "-", "t j=2 v", "0"), "t.tsv: no column \"j\"; found: k v");
-    BAD(PLAIN("a", "above", "-", "t k=1:2 V", "0"), "2 rows");
+    BAD(PLAIN("a", "above", "-", "t k>=1 k<=2 V", "0"), "2 rows");
     BAD(PLAIN("a", "above", "-", "t v=2 K", "0"), "no column \"K\" (did you mean \"k\"?)");
     BAD(PLAIN("a", "above", "-", "t #j", "0"), "no header line \"j\"");
 }
@@ -994,7 +946,7 @@ static void test_report(void)
     write_text("in.md", "{{value many k=7 v}}, {{value many k=9 v}}; {{cell many k=7 n}} {{cell many k=8 v "
                         "%%.2g}}; {{note many note}}; {{published angle}}; {{ours high}} of {{number high}}; "
                         "{{verdict high}}; {{counts li}}\n"
-                        "{{rows many k=7:8 | k v:+- n:%%.0f}}\n{{rows none | k}}\n"
+                        "{{rows many k>=7 k!=9 | k v:+- n:%%.0f}}\n{{rows none | k}}\n"
                         "All of {{value many k=7 v}} and {{value none v}} piles.\n| {{value none v}} |\n");
     REPORTS("page in.md --tables . --claims claims.tsv");
     CU_ASSERT_STRING_EQUAL(out, "20.10 ± 0.20, not known; 12 0.1; so it is; 20.10 ± 1; 0.100 ± 0.010 of 12; "
@@ -1013,7 +965,7 @@ static void test_report(void)
     write_text("in.md", text);                                                                               \
     REPORT_FAILS(65, message, "page in.md --tables . --claims claims.tsv")
     BAD_PLACE("{{cell many k=7 v_Se}}", "many.tsv: no column \"v_Se\" (did you mean \"v_se\"?)");
-    BAD_PLACE("{{value many k=7:8 v}}", "2 rows");
+    BAD_PLACE("{{value many k<9 v}}", "2 rows");
     BAD_PLACE("{{cell many k=7 v=smallest v}}", "0 rows");
     BAD_PLACE("{{rows many k=11 | v}}", "no row");
     BAD_PLACE("{{claims nowhere}}", "{{claims nowhere}}: no such claim");
@@ -1143,26 +1095,6 @@ static void test_broken_run(void)
     CU_ASSERT(shell("exec \"$REPOSE\" run scene.cfg --every 100 >out 2>err") == 1);
     CU_ASSERT(equal_tables("out", "d.part/states.tsv"));
     SHELL("tail -n 1 out | grep -q '^# unfinished: leaked at step' && ! test -e d");
-    /* an overlap or a step beyond the radius is no result of the scene, and no fault of the program */
-    write_text("crush.cfg", "gravity = [0.0, 0.0]; normal = { k_n = 1.0; gamma_n = 0.0; };\n"
-                            "particles = ( { x = 0.0; y = 0.0; r = 0.1; m = 0.004; },\n"
-                            "              { x = 0.3; y = 0.0; r = 0.1; m = 0.004; vx = -200.0; } );\n");
-    FAILS(1, "overlap at step ", "run crush.cfg");
-    write_text("fast.cfg",
-               "gravity = [1.0e9, 0.0]; dt = 1.0e-5; particles = ( { x = 0.0; y = 0.0; r = 0.1; } );\n");
-    FAILS(1, "too_fast at step ", "run fast.cfg");
-    /* a step that the implicit integrator can't solve in one iteration fails */
-    static const char *const solvers[] = {"direct", "sor"};
-    for (int k = 0; k < 2; k++) {
-        write_text("hard.cfg",
-                   "integrator = \"implicit\"; dt = 2e-4; steps = 2000;\n"
-                   "normal = { law = \"linear\"; k_n = 1.0e5; gamma_n = 0.0; };\n"
-                   "implicit = { solver = \"%s\"; tolerance = 1.0e-12; max_iterations = 1; };\n"
-                   "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
-                   "particles = ( { x = 0.0; y = 0.15; r = 0.1; m = 0.004; } );\n",
-                   solvers[k]);
-        FAILS(1, "not_solved at step ", "run hard.cfg");
-    }
 }
 
 /* ---- sweep ---- */
@@ -1403,13 +1335,23 @@ static void test_row_again(void)
     CHECK_NEAR(cell(&energy, 3, "residual"), 0.0, 1e-10 * cell(&energy, 3, "turnover"));
 }
 
+/* A short run, which is there already, and an endless one. */
+static void plan_endless(void)
+{
+    const char *grid = "protocol = \"repose\"; replicas = 1; seed = 1993;\n"
+                       "fixed = { W = 2.0; H = 2.0; fill_steps = 100; stop = \"steps\"; };\n"
+                       "grid = { relax_steps = [100%s]; };\n";
+    write_text("s.cfg", grid, "");
+    GOOD("sweep plan s.cfg -o d");
+    GOOD("sweep run d");
+    write_text("s.cfg", grid, ", 1000000000");
+    GOOD("sweep plan s.cfg -o d");
+}
+
 /* An endless run and a large one end at their limits: the others are made, no digest or table hides it. */
 static void test_limits(void)
 {
-    write_text("s.cfg", "protocol = \"repose\"; replicas = 1; seed = 1993;\n"
-                        "fixed = { W = 2.0; H = 2.0; fill_steps = 100; stop = \"steps\"; };\n"
-                        "grid = { relax_steps = [100, 1000000000]; };\n");
-    GOOD("sweep plan s.cfg -o d");
+    plan_endless();
     CU_ASSERT(run("sweep run d -j 2 --time 0.5") == 1 &&
               strstr(err, "1 of 2 runs were aborted (time_limit 1); the same"));
     CU_ASSERT(strstr(err, "run 1 (relax_steps = 1e+09): ended after ") != NULL);
@@ -1437,18 +1379,12 @@ static void test_limits(void)
     }
 }
 
-/* Stopped during its endless second run: stored runs stay, and status 75 means "resume". */
+/* Stopped during its endless run: stored runs stay, and status 75 means "resume". */
 static void test_stopped(void)
 {
-    write_text("s.cfg", "protocol = \"repose\"; replicas = 1; seed = 1993;\n"
-                        "fixed = { W = 2.0; H = 2.0; fill_steps = 100; stop = \"steps\"; };\n"
-                        "grid = { relax_steps = [100, 1000000000]; };\n");
-    GOOD("sweep plan s.cfg -o d");
-    int status =
-        shell("\"$REPOSE\" sweep run d -j 1 >out 2>err & p=$!\n"
-              "while kill -0 $p && ! \"$REPOSE\" sweep status d | grep -q 'stored: 1'; do sleep 0.05; done\n"
-              "kill -TERM $p; wait $p");
-    CU_ASSERT(failed(__FILE__, __LINE__, status, 75, "1 of 2 stored"));
+    plan_endless();
+    CU_ASSERT(failed(__FILE__, __LINE__, run_signalled(SIGTERM, "clock", 9, "sweep run d -j 1"), 75,
+                     "1 of 2 stored"));
     GOOD("sweep status d");
     CU_ASSERT(strstr(out, "# stored: 1\n# missing: 1\n") != NULL);
     FAILS(1, "missing", "sweep digest d");
@@ -1490,16 +1426,6 @@ static void test_run_help(void)
     for (size_t c = 0; at && c < t.n_columns; c++) CU_ASSERT_PTR_NOT_NULL(at = strstr(at, t.names[c]));
 }
 
-/* Frames come at multiples of their interval, and at the end. */
-static void test_run_intervals(void)
-{
-    write_text("s.cfg", "steps = 129; particles = ( { x = 1.0; y = 5.0; r = 0.1; } );\n");
-    CU_ASSERT(run("run s.cfg --every 50 -o d") == 0);
-    scoped_table t = read_table("d/energy.tsv");
-    CU_ASSERT_EQUAL(t.n_rows, 4);
-    for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "step"), fmin(50.0 * (double)i, 129.0), 0.0);
-}
-
 /* The growth that the warning names: mean energy of the last 16 of 64 samples less that of the first 16, over
  * the largest kinetic and elastic energy, from the table of energies. */
 static void check_growth(int every)
@@ -1518,27 +1444,27 @@ static void check_growth(int every)
               strstr(err, check_text("energy grew by %.2g %% of", 100.0 * (last - first) / most)));
 }
 
-/* At the largest step allowed, 60 grains without damping heat up in thousands of impacts; at a fifth of it,
+/* At the largest step allowed, 30 grains without damping heat up in thousands of impacts; at a fifth of it,
  * or with damping, their energy does not grow. */
 static void test_energy_growth(void)
 {
     if (CHECK_SKIPS("a long run: other runs of the program are shorter")) return;
     write_text("s.cfg",
-               "steps = 4000000; dt = 3.1e-5; normal = { k_n = 1.0e6; gamma_n = 1e-9; };\n"
+               "steps = 1280000; dt = 3.1e-5; normal = { k_n = 1.0e6; gamma_n = 1e-9; };\n"
                "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },\n"
                "          { point = [0.0, 0.0]; direction = [1.0, 0.0]; },\n"
                "          { point = [2.0, 0.0]; direction = [-1.0, 0.0]; } );\n"
-               "fill = { N = 60; W = 2.0; H = 3.0; seed = 5; radius_mean = 0.1; radius_width = 0.0; };\n");
+               "fill = { N = 30; W = 2.0; H = 3.0; seed = 5; radius_mean = 0.1; radius_width = 0.0; };\n");
     CU_ASSERT(run("run s.cfg") == 0 && strstr(err, "warning: energy grew by "));
     CU_ASSERT(strstr(out, "\n# warning: energy grew by ") != NULL);
     GOOD("run s.cfg --set dt=6e-6");
     GOOD("run s.cfg --set normal.gamma_n=50");
-    check_growth(62500);
+    check_growth(20000);
     /* runs that are too short, and what takes or gives energy or grains */
     static const char *const silent[] = {"steps=6399",
                                          "gravity_turn_deg_per_step=1e-12",
                                          "box_turn_deg_per_step=1e-12",
-                                         "walls[2].open_at_step=3999999",
+                                         "walls[2].open_at_step=1279999",
                                          "walls[0].velocity=[1.0e-12, 0.0]",
                                          "y_min=-1' --set 'walls[0].extent=[0.0, 1.5]"};
     for (size_t k = 0; k < sizeof silent / sizeof *silent; k++) GOOD("run s.cfg --set '%s'", silent[k]);
@@ -1582,43 +1508,40 @@ static void test_undamped_sweep(void)
     CU_ASSERT(run("sweep plan s.cfg -o d") == 65 && strstr(err, "give restitution_speed, in (0, inf)"));
 }
 
-/* A stopped run, of a scene or of a sweep's row, leaves the whole result that is there as it is, and its own
- * apart; where it runs for long, too, without tables to write meanwhile. nohup: until the run has ended. */
+/* As under nohup: a hangup amid the run is no stop. */
+static void ignore_hangup(void)
+{
+    signal(SIGHUP, SIG_IGN);
+    fault_tick = 1.0;
+    fault_signal(SIGHUP, "clock", 9);
+}
+
+/* Each signal stops a run, where it has no tables to write for long, too. The suite `run` has what it leaves,
+ * and what the same command goes on with. Streams that are closed are no files of the run. */
 static void test_run_stopped(void)
 {
     static const int signals[] = {SIGTERM, SIGINT, SIGHUP};
     write_text("s.cfg",
                "steps = 2000; particles = ( { x = 0.0; y = 0.0; r = 0.1; } ); gravity = [0.0, 0.0];\n");
-    write_text("r.cfg",
-               "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; fill_steps = 100; stop = \"steps\"; };\n"
-               "grid = { relax_steps = [100, 1000000000]; };\n");
     write_text("many.cfg", "steps = 2000000000; fill = { N = 90; W = 2.0; H = 4.0; };\n"
                            "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n");
-    GOOD("run s.cfg --every 10 -o d --force");
-    GOOD("run r.cfg --row 0 -o r");
-    SHELL("cat d/*.tsv r/* >before");
+    GOOD("run s.cfg --every 10 -o d");
+    SHELL("\"$REPOSE\" run s.cfg --every 10 -o closed <&- >&- 2>&-; grep -v '^#' closed/states.tsv >out; "
+          "grep -v '^#' d/states.tsv | cmp - out");
     for (int k = 0; k < 3; k++) {
-        static const char *const words[] = {"run s.cfg --set steps=2000000000 --every 100000 -o d --force",
-                                            "run r.cfg --row 20 --force -o r", "run many.cfg -o many"};
-        for (size_t w = 0; w < 3; w++) {
-            CU_ASSERT(run_signalled(signals[k], "clock", 20 + 3 * k, words[w]) == 75);
-            CHECK_PARTS(err, "stopped", "; the same command continues\n");
-        }
+        CU_ASSERT(run_signalled(signals[k], "clock", 9 + k, "run many.cfg -o many") == 75);
+        CHECK_PARTS(err, "stopped", "; the same command continues\n");
     }
-    SHELL("for of in d r many; do test -s $of.part/snapshot || { ls -a . $of.part >&2; exit 1; }; done");
-    SHELL("! test -e many && cat d/*.tsv r/*.* | cmp - before");
-    SHELL("trap '' HUP; \"$REPOSE\" run many.cfg --set steps=30000 >out 2>err & p=$!; while kill -HUP $p "
-          "2>/dev/null; do sleep 0.02; done; wait $p");
-    GOOD("run s.cfg --every 10 -o d --force");
-    SHELL("! test -e d.part; cat d/*.tsv r/*.* | cmp - before");
+    SHELL("test -s many.part/snapshot && ! test -e many");
+    CU_ASSERT(run_begun("run many.cfg --set steps=30000 -o whole", ignore_hangup) == 0);
 }
 
 CHECK_SUITE_WITHIN(cli, "command line", enter, leave, test_hardened, test_help, test_wrong_usage,
-                   test_bad_values, test_killed_plans, test_bench, test_bad_scenes, test_bad_sweeps,
-                   test_sweep_or_scene, test_broken_output, test_static_models, test_angles, test_group_order,
-                   test_angle_tables, test_stress_tables, test_claims, test_families, test_pooled,
-                   test_bad_claims, test_report, test_page_frames, test_page_circles, test_stress_dip,
-                   test_cut_drops, test_stats_trends, test_stats_select, test_free_fall, test_output_folder,
-                   test_broken_run, test_sweep, test_make, test_derivations, test_settings, test_shared_piles,
-                   test_row_again, test_run_stopped, test_energy_growth, test_drag, test_run_intervals,
-                   test_run_help, test_run_scene, test_undamped_sweep, test_limits, test_stopped)
+                   test_bad_values, test_killed_plans,
+                   test_bench, test_bad_scenes, test_bad_sweeps, test_sweep_or_scene, test_broken_output,
+                   test_angles, test_group_order, test_angle_tables, test_stress_tables, test_claims,
+                   test_families, test_pooled, test_bad_claims, test_report, test_page_frames,
+                   test_page_circles, test_cut_drops, test_stats_trends, test_stats_select, test_free_fall,
+                   test_output_folder, test_broken_run, test_sweep, test_make, test_derivations,
+                   test_settings, test_shared_piles, test_row_again, test_run_stopped, test_energy_growth,
+                   test_drag, test_run_help, test_run_scene, test_undamped_sweep, test_limits, test_stopped)

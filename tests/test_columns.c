@@ -280,7 +280,8 @@ static void test_stress_steps(void)
 
 enum { DIP_PILES = 5 };
 
-/* Profiles with a slope to the right and a step in the middle, beside their rays. */
+/* Profiles with a slope to the right and a step in the middle, beside their rays; then one of a failed run,
+ * and one without an excess, which do not count. */
 static void write_dips(double n[DIP_PILES][STRESS_DIP_BINS], double excess[DIP_PILES])
 {
     FILE *file = file_of("piles.tsv");
@@ -293,6 +294,10 @@ static void write_dips(double n[DIP_PILES][STRESS_DIP_BINS], double excess[DIP_P
             n[i][k] = 1.0 + 0.02 * k + 0.03 * ((i * 7 + k * 3) % 5) - (k > 6 && k < 13 ? 0.2 : 0.0);
             fprintf(file, "\t%.17g\t%.17g", n[i][k], 1.0 + 0.1 * i + 0.01 * k * k);
         }
+    }
+    for (int i = 0; i < 2; i++) {
+        fprintf(file, "\n%s\t%s", i ? "ok" : "not_at_rest", i ? "nan" : "10");
+        for (int k = 0; k < 2 * STRESS_DIP_BINS; k++) fputs("\t7", file);
     }
     fputc('\n', file);
     fclose(file);
@@ -323,8 +328,8 @@ static void check_dip(double n[DIP_PILES][STRESS_DIP_BINS], const double excess[
         {"excess_hi", d.excess.hi}};
     checked_row(&c, 0, sizeof columns / sizeof *columns, columns, 1e-15);
     CHECKED_WORD(&c, 0, "verdict", stress_dip_word(&d, 0.05));
-    CHECK_NEAR(at(&c, 0, "n_failed"), 0.0, 0.0);
-    CHECKED_WORD(&c, 0, "failed_for", "-");
+    CHECK_NEAR(at(&c, 0, "n_failed"), 1.0, 0.0);
+    CHECKED_WORD(&c, 0, "failed_for", "not_at_rest:1");
     check_profile(&d);
 }
 
@@ -337,6 +342,8 @@ static void test_dip(void)
     shell("cut -f 1-3,5,7,9,11,13,15,17,19,21,23,25,27,29,31,33,35,37,39,41 piles.tsv >plain.tsv");
     scoped_table t = TABLE_OF("stress dip plain.tsv --profile");
     for (size_t row = 0; row < STRESS_DIP_BINS / 2; row++) CU_ASSERT(isnan(cell(&t, row, "rays")));
+    SHELL("sed '2,$s/\\t[^\\t]*/\\t0/g' plain.tsv >flat.tsv");
+    FAILS(65, "flat.tsv:2: n_01 to n_20: sum = 0: out of range", "stress dip flat.tsv");
 }
 
 /* ---- bench ---- */
@@ -675,7 +682,7 @@ static double ray_height(const double top[COLUMNS], double middle, double x, dou
 /* Twenty points to a bin. */
 static void check_rays(checked *o, const rp_table *grains, const bool away[])
 {
-    double top[COLUMNS] = {0.0}, rays[20] = {0.0}, sum = 0.0, inner = 0.0, beside = 0.0;
+    double top[COLUMNS] = {0.0}, rays[20] = {0.0}, sum = 0.0, inner = 0.0, beside = 0.0, of_rays = 0.0;
     for (size_t i = 0; i < grains->n_rows; i++) {
         double *t = &top[(size_t)(cell(grains, i, "x") + 30.0)];
         if (!away[i]) *t = fmax(*t, cell(grains, i, "y") + cell(grains, i, "r"));
@@ -690,10 +697,13 @@ static void check_rays(checked *o, const rp_table *grains, const bool away[])
         CHECK_NEAR(at(o, 0, check_text("rays_%02d", b + 1)), 20.0 * rays[b] / sum, 1e-9);
         const double distance = fabs(b - 9.5), n = at(o, 0, check_text("n_%02d", b + 1));
         if (distance < 2.0) inner += (n - 20.0 * rays[b] / sum) / 4.0;
-        beside += distance < 2.0 ? n / 4.0 : distance < 4.0 ? -n / 4.0 : 0.0;
+        const double share = distance < 2.0 ? 0.25 : distance < 4.0 ? -0.25 : 0.0;
+        beside += share * n, of_rays += share * 20.0 * rays[b] / sum;
     }
     CHECK_NEAR(at(o, 0, "excess"), inner, 1e-9);
     CHECK_NEAR(at(o, 0, "middle"), beside, 1e-12);
+    CHECK_EACH(at(o, 0, NAME), 1e-9, {"rays_middle", of_rays}, {"arching", beside - of_rays},
+               {"minimum", beside < 0.0 ? 1.0 : 0.0});
 }
 
 /* Disks glued to the base have their centres on it. */

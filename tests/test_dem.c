@@ -437,17 +437,14 @@ static void floor_that_ends(void)
 /* The same without a rebuild of the neighbour list: past the corner the grain is below the floor. */
 static void corner_without_rebuild(void)
 {
-    dem_grain grain = {0.96, 0.0995, 0.1, 0.0042, 60.0, 0.0};
+    dem_grain grain = {1.15, 0.12, 0.1, 0.0042, 0.0, -150.0};
     dem_definition def = grains_of(1, &grain);
     def.material.mu = 0.0, def.skin = 3.0;
+    def.gravity[0] = -40000.0; /* round the corner and back under the floor */
     put_wall(&def, 0.0, 0.0, 0.0, 1.0);
     def.walls[0].extent[1] = 1.0;
     scoped_sim *sim = grains_start(&def);
     dem_state s;
-    CHECK_OK(dem_run(sim, 60)); /* now beyond the corner */
-    grain = (dem_grain){1.15, 0.12, 0.1, 0.0042, 0.0, -150.0};
-    def.gravity[0] = -40000.0; /* round the corner and back under the floor */
-    grains_again(&sim, &def, 0);
     grains_run(sim, 90, &s);
     CU_ASSERT(grains_counts(sim).rebuilds == 1 && s.x < 1.0 && s.y < -0.1);
 }
@@ -1632,6 +1629,14 @@ static void state_near_rest(void)
     /* the point of the box reached the grain's position along a chord; its spin is clockwise */
     const double chord = hypot(0.5, 0.6) * 2.0 * sin(0.5 * turn) / dt, spin = 3.0 + sin(turn) / dt;
     CHECK_NEAR(rest.kinetic_energy, 0.5 * 0.004 * chord * chord + 0.5 * inertia * spin * spin, 1e-10);
+    def.n_grains = 1, def.box_turn_per_step = M_PI / 4000.0; /* a quarter turn exchanges x and y */
+    grains_again(&sim, &def, 2000);
+    for (int turns = 1; turns >= 0; turns--) {
+        CHECK_OK(dem_rest_state(sim, -0.61, -0.59, &rest));
+        CU_ASSERT(rest.n == 1 && (rest.kinetic_energy > inertia * 9.0) == (turns == 1));
+        dem_box_turn(sim, 0.0);
+        CHECK_OK(dem_run(sim, 1));
+    }
     /* one on a floor that carries half of its weight, and one in free fall */
     dem_grain two[2] = {{.x = 0.5, .r = 0.1, .m = 0.004}, {.x = 0.5, .y = 1.0, .r = 0.1, .m = 0.004}};
     def = grains_of(2, two);

@@ -309,25 +309,25 @@ static void test_failed_cells(void)
 /* A reference finds its row by numbers as numbers and by words as words. */
 static void test_references(void)
 {
-    static const char *const cases[][2] = {{"5", "1"},
-                                           {"5x", "2"},
-                                           {"50", "3"},
-                                           {"word", "4"},
-                                           {"5e1", "3"},
-                                           {"6:60", "3"},
-                                           {"50:60", "3"},
-                                           {"6:50", "3"},
-                                           {"-.5", "5"},
-                                           {"-1:-0.2", "5"},
-                                           {"1e-6", "6"},
-                                           {"1.0000001e-6", "7"},
-                                           {"1000000.0000001", "8"},
-                                           {"5 v=1", "1"}};
+    static const char *const cases[][2] = {{"k=5", "1"},
+                                           {"k=5x", "2"},
+                                           {"k=50", "3"},
+                                           {"k=word", "4"},
+                                           {"k=5e1", "3"},
+                                           {"k>=6 k<=60", "3"},
+                                           {"k>=50 k<=60", "3"},
+                                           {"k>=6 k<=50", "3"},
+                                           {"k=-.5", "5"},
+                                           {"k>=-1 k<=-0.2", "5"},
+                                           {"k=1e-6", "6"},
+                                           {"k=1.0000001e-6", "7"},
+                                           {"k=1000000.0000001", "8"},
+                                           {"k=5 v=1", "1"}};
     write_text("claims.tsv", CLAIMS);
     write_text("t.tsv",
                "# k\tv\n5.0\t1\n5x\t2\n50\t3\nword\t4\n-0.5\t5\n0.000001\t6\n1.0000001e-6\t7\n1e6\t8\n");
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        write_text("in.md", "{{cell t k=%s v}}\n", cases[i][0]);
+        write_text("in.md", "{{cell t %s v}}\n", cases[i][0]);
         REPORTS("page in.md --tables . --claims claims.tsv");
         CU_ASSERT(strncmp(out, cases[i][1], 1) == 0 && out[1] == '\n');
     }
@@ -549,92 +549,32 @@ static void test_joint_choices(void)
     }
 }
 
-/* ---- dips and peaks ---- */
-
-/* Even profiles but for the middle tenth on each side, with the excess of that step. */
-static void write_profiles(double change, double scatter)
-{
-    FILE *file = file_of("piles.tsv");
-    fprintf(file, "# status\texcess");
-    for (int k = 1; k <= 20; k++) fprintf(file, "\tn_%02d", k);
-    for (int i = 0; i < 20; i++) {
-        const double d = change + scatter * (i % 5 - 2);
-        fprintf(file, "\nok\t%.6f", d);
-        for (int k = 0; k < 20; k++) fprintf(file, "\t%.6f", k >= 8 && k < 12 ? 1.0 + d : 1.0);
-    }
-    fputc('\n', file);
-    fclose(file);
-}
-
-static void test_dips(void)
-{
-    static const struct {
-        double change, scatter;
-        const char *margin, *verdict;
-    } cases[] = {{-0.3, 0.02, "0.1", "dip"},
-                 {0.3, 0.02, "0.1", "peak"},
-                 {-0.05, 0.01, "0.2", "dip_within_margin"},
-                 {0.05, 0.01, "0.2", "peak_within_margin"},
-                 {0.0, 0.01, "0.1", "none_within_margin"},
-                 {0.0, 0.3, "0.01", "undecided"}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        write_profiles(cases[i].change, cases[i].scatter);
-        scoped_table t = TABLE_OF("stress dip piles.tsv --margin %s", cases[i].margin);
-        CU_ASSERT_STRING_EQUAL(word(&t, 0, "verdict"), cases[i].verdict);
-    }
-}
-
-/* ---- the inclination of the rays ---- */
-
-/* (3) with rays at phi: tan theta_MS = mu tan^2 phi. */
-static void test_rays(void)
-{
-    const double deg = M_PI / 180.0;
-    for (int k = 0; k < 3; k++) {
-        const double phi = 50.0 + 5.0 * k, marginal = atan(0.2 * pow(tan(phi * deg), 2.0)) / deg;
-        scoped_table t = TABLE_OF("angle marginal --mu 0.2 --phi-deg %g", phi);
-        CHECK_NEAR(cell(&t, 0, "theta_ms_deg"), marginal, 1e-12);
-        AGAIN_OF(t, "angle tilt --mu 0.2 --theta-r-deg 10 --phi-deg %g", phi);
-        CHECK_NEAR(cell(&t, 0, "margin_deg"), marginal - 10.0, 1e-12);
-    }
-}
-
 /* ---- sweeps of the papers against the claims ---- */
 
-static double number_of(const config_setting_t *setting)
+/* A number that a sweep may name: a parameter of its file, or, by its default, what a text has besides. */
+static const rp_param *find_number(const sweep_plan *plan, const char *key)
 {
-    return config_setting_type(setting) == CONFIG_TYPE_FLOAT ? config_setting_get_float(setting)
-                                                             : config_setting_get_int(setting);
+    const rp_param *p = rp_params_find(plan->protocol->schema, key);
+    for (const dem_named_key *named = dem_named_keys; !p && plan->protocol->context && named->key; named++)
+        if (strcmp(named->param.name, key) == 0) p = &named->param;
+    return p && (p->type == RP_REAL || p->type == RP_INT) ? p : NULL;
 }
 
-/* The values of a parameter in a sweep file: of the grid, fixed, or the default. */
-static size_t values_of(const config_t *config, const sweep_protocol *protocol, const char *key,
-                        double values[64])
+/* Whether it is this at a grid point. Default damping is the paper's gamma_n = 500. */
+static bool has_value(const sweep_plan *plan, const char *key, double value)
 {
-    config_setting_t *grid = config_lookup(config, "grid"), *fixed = config_lookup(config, "fixed"),
-                     *list = NULL;
-    for (int g = 0; grid && !list && g < (config_setting_is_list(grid) ? config_setting_length(grid) : 1);
-         g++)
-        list = config_setting_get_member(
-            config_setting_is_list(grid) ? config_setting_get_elem(grid, (unsigned)g) : grid, key);
-    size_t n = 0;
-    for (int i = 0; list && i < config_setting_length(list) && n < 64; i++)
-        values[n++] = number_of(config_setting_get_elem(list, (unsigned)i));
-    config_setting_t *one = fixed ? config_setting_get_member(fixed, key) : NULL;
-    if (one) values[n++] = number_of(one);
-    const rp_param *p = rp_params_find(protocol->schema, key);
-    const char *fallback = p && p->fallback ? p->fallback : "";
-    const bool damping = strcmp(fallback, "auto") == 0,
-               as_mu = strcmp(fallback, "computed") == 0 && strncmp(key, "mu_", 3) == 0;
-    if (n == 0 && as_mu) return values_of(config, protocol, "mu", values);
-    if (n == 0 && *fallback) values[n++] = damping ? 500.0 : strtod(fallback, NULL);
-    return n;
-}
-
-static bool holds(size_t n, const double values[], double value)
-{
-    for (size_t i = 0; i < n; i++)
-        if (fabs(values[i] - value) <= 1e-9 * fabs(value)) return true;
+    const bool own = rp_params_find(plan->protocol->schema, key) != NULL;
+    const rp_param *p = find_number(plan, key);
+    for (size_t k = 0; k < (own ? plan->n_points : 1); k++) {
+        char text[256];
+        if (own)
+            rp_params_text(p, sweep_plan_point(plan, k), text, sizeof text);
+        else
+            snprintf(text, sizeof text, "%s", p->fallback ? p->fallback : "");
+        if (strcmp(text, "computed") == 0 && strncmp(key, "mu_", 3) == 0) return has_value(plan, "mu", value);
+        const double number = strcmp(text, "auto") == 0 ? 500.0 : strtod(text, NULL);
+        if (*text && fabs(number - value) <= 1e-9 * fabs(value)) return true;
+    }
     return false;
 }
 
@@ -649,32 +589,18 @@ static const char *find_sweep(const char *table)
     return NULL;
 }
 
-/* The protocol of a sweep's file, with all that its `fixed` and `grid` may name; destroy its settings. */
-static const sweep_protocol *open_sweep(const char *path, config_t *config)
+/* The plan of a sweep's file; false: it has models alone. */
+static bool open_plan(const char *path, sweep_plan *plan)
 {
-    config_init(config);
-    CU_ASSERT(config_read_file(config, path));
-    static struct {
-        const sweep_protocol *of, *open;
-    } kept[8];
-    const char *name = "";
-    size_t k = 0;
-    config_lookup_string(config, "protocol", &name);
-    const sweep_protocol *const *p = sweep_protocols;
-    while (*p && strcmp((*p)->name, name) != 0) p++;
-    if (!*p) return NULL;
-    while (kept[k].of && kept[k].of != *p) k++;
-    if (kept[k].of) return kept[k].open;
-    CHECK_OK(sweep_protocol_open(*p, NULL, NULL, &kept[k].open));
-    for (const dem_named_key *key = dem_named_keys; key->key; key++)
-        sweep_protocol_also(kept[k].open, key->param.name);
-    return kept[k].of = *p, kept[k].open;
+    RP_ENDS(sweep_recipe_free) sweep_recipe recipe;
+    CHECK_OK(sweep_recipe_read(path, &recipe));
+    if (recipe.has_runs) CHECK_OK(sweep_plan_read(path, sweep_protocols, plan));
+    return recipe.has_runs;
 }
 
 /* Every "KEY=VALUE" of the answer and "KEY = VALUE" of the statement is a value of the sweep, and "from KEY =
  * A to B" its ends. What the claims do not say is `at`: of figure 1 the paper says otherwise. */
-static size_t check_statement(const char *id, const char *text, const config_t *config,
-                              const sweep_protocol *protocol)
+static size_t check_statement(const char *id, const char *text, const sweep_plan *plan)
 {
     size_t n_checked = 0;
     for (const char *equals = text; (equals = strchr(equals, '=')); equals++) {
@@ -686,14 +612,11 @@ static size_t check_statement(const char *id, const char *text, const config_t *
         const bool wall = begin - text >= 9 && strncmp(begin - 9, "walls of ", 9) == 0;
         const char *key = check_text("%.*s%s", (int)(end - begin), begin, wall ? "_wall" : "");
         const double value = strtod(equals + 1, &after);
-        const rp_param *p = rp_params_find(protocol->schema, key);
-        if (!p || (p->type != RP_REAL && p->type != RP_INT) || after == equals + 1) continue;
-        double values[64];
-        const size_t n = values_of(config, protocol, key, values);
-        bool right = holds(n, values, value);
+        if (!find_number(plan, key) || after == equals + 1) continue;
+        bool right = has_value(plan, key, value);
         double to;
         if (begin - text >= 5 && strncmp(begin - 5, "from ", 5) == 0 && sscanf(after, " to %lf", &to) == 1)
-            right &= holds(n, values, to);
+            right &= has_value(plan, key, to);
         CHECK_OR_SAY(right, "claim %s: \"%s\": the sweep has no %s = %g", id, text, key, value);
         n_checked++;
     }
@@ -701,13 +624,12 @@ static size_t check_statement(const char *id, const char *text, const config_t *
 }
 
 /* What a claim does not say is as the header line `at` of its paper has it, but for several boxes. */
-static void check_at(const rp_table *t, size_t row, const char *path, const config_t *config,
-                     const sweep_protocol *protocol)
+static void check_at(const rp_table *t, size_t row, const char *path, const sweep_plan *plan)
 {
     char key[64];
     const char *at = rp_table_find_note(t, check_text("at %s", word(t, row, "paper")));
     CU_ASSERT_PTR_NOT_NULL_FATAL(at);
-    double value, values[64];
+    double value;
     for (int used; sscanf(at, " %63[^=]=%lf%n", key, &value, &used) == 2; at += used) {
         static const char *const texts[] = {"answer", "statement", "note"};
         bool mentioned = (strstr(path, "lh2") || strstr(path, "lh_grain") || strstr(path, "lh_wall") ||
@@ -716,9 +638,9 @@ static void check_at(const rp_table *t, size_t row, const char *path, const conf
         for (size_t k = 0; k < 3; k++)
             mentioned |= strstr(word(t, row, texts[k]), check_text("%s =", key)) ||
                          strstr(word(t, row, texts[k]), check_text("%s=", key));
-        if (mentioned || !rp_params_find(protocol->schema, key)) continue;
-        CHECK_OR_SAY(holds(values_of(config, protocol, key, values), values, value),
-                     "claim %s: %s has no %s = %g", word(t, row, "id"), path, key, value);
+        if (mentioned || !find_number(plan, key)) continue;
+        CHECK_OR_SAY(has_value(plan, key, value), "claim %s: %s has no %s = %g", word(t, row, "id"), path,
+                     key, value);
     }
 }
 
@@ -733,16 +655,15 @@ static void test_settings(void)
         const char *found = find_sweep(word(&t, row, "answer"));
         if (strcmp(word(&t, row, "paper"), "ours") == 0 || !found) continue;
         strcpy(path, found);
-        RP_ENDS(config_destroy) config_t config;
-        const sweep_protocol *protocol = open_sweep(path, &config);
-        for (size_t k = 0; k < 3 && protocol; k++) {
+        RP_ENDS(sweep_plan_free) sweep_plan plan = {0};
+        if (!open_plan(path, &plan)) continue;
+        for (size_t k = 0; k < 3; k++) {
             const char *text = word(&t, row, texts[k]), *others = strstr(text, " + ");
             const int used = (int)(others ? (size_t)(others - text) : strlen(text));
             /* the suite claims compares the cells of a pool */
-            n_checked +=
-                check_statement(word(&t, row, "id"), check_text("%.*s", used, text), &config, protocol);
+            n_checked += check_statement(word(&t, row, "id"), check_text("%.*s", used, text), &plan);
         }
-        if (protocol) check_at(&t, row, path, &config, protocol);
+        check_at(&t, row, path, &plan);
     }
     CU_ASSERT(n_checked > 100);
 }
@@ -752,9 +673,8 @@ static size_t check_place(const char *place)
 {
     const char *path = find_sweep(place);
     if (!path || strncmp(path, "sweeps/l", 8) != 0) return 0; /* of the papers */
-    RP_ENDS(config_destroy) config_t config;
-    const sweep_protocol *protocol = open_sweep(path, &config);
-    return protocol ? check_statement(path, place, &config, protocol) : 0;
+    RP_ENDS(sweep_plan_free) sweep_plan plan = {0};
+    return open_plan(path, &plan) ? check_statement(path, place, &plan) : 0;
 }
 
 static size_t places_checked;
@@ -1011,5 +931,5 @@ static void test_remade(void)
 
 CHECK_SUITE_WITHIN(evidence, "evidence", enter, leave, test_verdicts, test_section, test_failed_cells,
                    test_references, test_choices, test_needs, test_family, test_joint_claims,
-                   test_joint_choices, test_dips, test_rays, test_settings, test_rows, test_made, test_names,
-                   test_claims_again, test_pages, test_checksums, test_commits, test_remade)
+                   test_joint_choices, test_settings, test_rows, test_made, test_names, test_claims_again,
+                   test_pages, test_checksums, test_commits, test_remade)

@@ -107,12 +107,14 @@ static double measured(const char *file, const char *set, const char *name)
 static void drum(void)
 {
     static const char balance[] =
-        "measure=( { name = \"balance\"; of = \"1 + drum.torque/(mass*g*x)\"; during = \"turn\"; } )";
+        "measure = ( { name = \"balance\"; of = \"1 + drum.torque/(mass*g*x)\"; during = \"turn\"; } );";
     double theta_ms;
     const double angle = measured("drum.cfg", "turns=1", "angle_deg") * M_PI / 180.0;
     if (CHECK_SKIPS("a long run of code that others run")) return;
-    scoped_table t =
-        TABLE_OF("run examples/drum.cfg --set '%s' --set rotation=true --set turns=0.5", balance);
+    CU_ASSERT(
+        shell_line("sed '/^measure/,$d' \"$REPOSE_DATA\"/examples/drum.cfg >of.cfg && echo '%s' >>of.cfg",
+                   balance) == 0);
+    scoped_table t = TABLE_OF("run of.cfg --set rotation=true --set turns=0.5");
     CHECK_NEAR(cell(&t, 0, "value"), 0.0, 4.0 * cell(&t, 2, "value"));
     CHECK_OK(ang_marginal(0.2, M_PI / 3.0, &theta_ms, NULL));
     CU_ASSERT(angle > 0.5 * (theta_r() * M_PI / 180.0 + theta_ms) && angle < theta_ms);

@@ -28,10 +28,11 @@ static void test_refusals(void)
     write_text("w2.cfg", SWEEP);
     GOOD("run s.cfg -o r");
     GOOD("sweep make w.cfg -o w -j 1 --quiet");
+    GOOD("export r --to vtk -o v.pvd");
     static const char *const cases[][3] = {
-        {"cp -r r/. d", "run s.cfg -o d", "d: holds s.cfg, 4 steps, the last frame, key "},
+        {"cp -r r/. d", "run s.cfg -o d", "d: holds s.cfg, frames each last last last last, key "},
         {"cp -r r/. d", "pile -o d", "; give another folder, or --force to replace it"},
-        {"cp -r r/. d", "calibrate f.cfg -o d", "d: holds a result; give another folder"},
+        {"cp -r r/. d", "calibrate f.cfg -o d", "d: holds s.cfg, frames each last last last last, key "},
         {"cp -r r/. d", "sweep plan w.cfg -o d", "d: holds other files and no sweep"},
         {"cp -r r/. d && echo a >d/notes", "run s.cfg -o d --force",
          "d/notes: not of a result of this program; move it away, or give another folder"},
@@ -53,20 +54,24 @@ static void test_refusals(void)
         {"mkdir d/d", "run s.cfg -o d/.", "d/.: give a folder by its name"},
         {"cp -r w/tables d", "sweep make w2.cfg -o w2 --tables d/tables",
          "d/tables: holds tables of the sweep w; give another folder, or --force"},
-        {"cp -r r/. d", "sweep make w.cfg -o w --tables d --force",
-         "d: holds s.cfg, 4 steps, the last frame"},
+        {"cp -r r/. d", "sweep make w.cfg -o w --tables d --force", "d: holds s.cfg, frames each last"},
         {"echo a >d/notes", "sweep make w.cfg -o w --tables d --force", "d: holds other files; give another"},
         {"ln -s ../side/notes d/lock", "sweep plan w.cfg -o d --force", "d/lock: "},
         {"echo mine >d/sweep.cfg", "sweep plan w.cfg -o d", "d: holds other files and no sweep"},
         {"echo a >d/a", "export r --to csv -o d/a", "d/a: is there; give another name, or --force"},
         {"echo a >d/a.pvd", "export r --to vtk -o d/a.pvd", "d/a.pvd: is there"},
-        {"mkdir d/a_frames && echo a >d/a_frames/grains_000000.vtp", "export r --to vtk -o d/a.pvd",
-         "d/a_frames/grains_000000.vtp: is there"},
+        {"mkdir d/a_frames && echo a >d/a_frames/grains_000000.vtp", "export r --to vtk -o d/a.pvd --force",
+         "d/a_frames/grains_000000.vtp: not of a result"},
+        {"cp -r v_frames d/a_frames", "export r --to vtk -o d/a.pvd",
+         "d/a_frames: holds frames of v.pvd; give another folder, or --force"},
+        {"echo a >d/a.contacts.lammpstrj", "export r --to lammps -o d/a.lammpstrj",
+         "d/a.contacts.lammpstrj: is there"},
         {"echo a >d/a.in", "export s.cfg --to lammps-input -o d/a.in", "d/a.in: is there"},
         {"ln -s ../side/notes d/a.svg", "view r -o d/a.svg", "d/a.svg: is there"},
         {"ln -s none d/a.tsv", "sweep export w -o d/a.tsv", "d/a.tsv: is there"},
         {"echo a >d/a.tsv", "bench -n 9 --steps 1 --repeat 1 -o d/a.tsv", "d/a.tsv: is there"}};
-    write_text("f.cfg", "fit = { k_x = [0.5, 2.0]; };\n");
+    write_text("f.cfg", "fit = { mu = [0.1, 0.8]; };\nmeasured = ( { protocol = \"repose\"; of = "
+                        "\"theta_r3_deg\"; value = 20.0; error = 1.0; } );\n");
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) refused(cases[k][0], cases[k][1], cases[k][2]);
     SHELL("echo mine >\"$(printf 'r/a\\nstates.tsv')\"; \"$REPOSE\" run s.cfg -o r --force >out 2>err; test "
           "$? = "
@@ -105,7 +110,7 @@ static void test_forced(void)
     SHELL("mkdir e");
     GOOD("run s.cfg -o e"); /* an empty folder is free */
     GOOD("run s.cfg -o 'r[1]'");
-    FAILS(65, "r[1]: holds s.cfg, 4 steps", "run s.cfg --set steps=3 -o 'r[1]'");
+    FAILS(65, "r[1]: holds s.cfg, frames each last", "run s.cfg --set steps=3 -o 'r[1]'");
 }
 
 /* Where folders can't be exchanged, as on NFS: an older one that a killed process left aside is not lost. */
@@ -122,7 +127,7 @@ static void test_publish(void)
     CU_ASSERT(!rp_folder_is_empty(&f));
     CHECK_OK(rp_folder_publish(&f));
     rp_folder_end(&f);
-    SHELL("printf 'repose result 1\\none two\\na\\nsnapshot\\n' | cmp - p/.repose && ! test -e p.part");
+    SHELL("printf 'repose result 1\\none two\\na\\n' | cmp - p/.repose && ! test -e p.part");
     CHECK_OK(rp_folder_begin(&memory, dir, "three", true, &f));
     SHELL("echo mine >p/mine"); /* meanwhile */
     CHECK_FAILS(rp_folder_publish(&f), RP_BAD_INPUT, "p/mine: not of a result");

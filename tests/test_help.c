@@ -1,5 +1,6 @@
-/* Help, manual, completion and lists of parameters: whole texts, put together a second time from the
- * commands' own words and schemas. */
+/* Help, manual and completion: their form with a program of two commands, letter by letter; and that all
+ * words of the real commands and schemas stand there in order. Lists of parameters, put together a second
+ * time from the schemas. */
 
 #include "params/expression.h"
 #include "params/units.h"
@@ -29,36 +30,17 @@ static void text_ends(void)
     CU_ASSERT(*rest == '\0');
 }
 
-/* The next line of what is expected; false at its end. */
-enum { MOST = 4096 };
-static bool next_line(const char **text, char line[static MOST])
+/* So goes the text on but for its form: blanks, ends of lines, and marks of Markdown. */
+#define words_are(...) words_go_on(check_text(__VA_ARGS__))
+static void words_go_on(const char *expected)
 {
-    const size_t length = strcspn(*text, "\n");
-    const bool there = **text != '\0';
-    snprintf(line, MOST, "%.*s", (int)length, *text);
-    *text += length + ((*text)[length] == '\n');
-    return there;
-}
-
-/* Words of a text in lines of at most `width`, the first of which has begun with `start`, the others with so
- * many blanks; each line takes the words that fit. */
-static void filled(const char *start, const char *text, int indent, int width)
-{
-    char line[4096];
-    snprintf(line, sizeof line, "%s", start);
-    bool empty = true;
-    for (const char *word = text; *word; word += strspn(word, " \n")) {
-        const int length = (int)strcspn(word, " \n"), at = (int)strlen(line);
-        if (at > indent && at + 1 + length > width) {
-            line_is("%s", line);
-            sprintf(line, "%*s", indent, "");
-            empty = true;
-        }
-        sprintf(line + strlen(line), "%s%.*s", empty ? "" : " ", length, word);
-        empty = false;
-        word += length;
+    static const char form[] = " \n\\*";
+    for (const char *e = expected; *(e += strspn(e, form)); e++, rest++) {
+        rest += strspn(rest, form);
+        if (*rest != *e) fprintf(stderr, "the text goes on:\n%.400s\nexpected:\n%s", rest, e);
+        CU_ASSERT_FATAL(*rest == *e);
     }
-    line_is("%s", line);
+    rest += strspn(rest, form);
 }
 
 /* What an option is for, with unit, range and default. */
@@ -79,18 +61,13 @@ static const char *own_name(const cli_command *c)
     return strrchr(c->name, ' ') ? strrchr(c->name, ' ') + 1 : c->name;
 }
 
-/* The description: paragraphs are filled, lines that begin with a blank stand as they are. */
-static void check_about(const char *about, int width)
+/* The next words are the lines of a synopsis, after a command's name. */
+static void synopsis_is(const char *program, const cli_command *c)
 {
-    char text[8192] = "", line[MOST];
-    while (next_line(&about, line)) {
-        if (*text && (!*line || *line == ' ')) filled("", text, 0, width), *text = '\0';
-        if (!*line || *line == ' ')
-            line_is("%s", line);
-        else
-            strcat(strcat(text, line), "\n");
+    for (const char *line = c->synopsis, *end; *line; line = end + (*end == '\n')) {
+        end = line + strcspn(line, "\n");
+        words_are("%s %s %.*s", program, c->name, (int)(end - line), line);
     }
-    if (*text) filled("", text, 0, width);
 }
 
 static const char *typed = "repose"; /* the program */
@@ -113,37 +90,136 @@ static void check_texts(const cli_command *c)
 
 static void check_help(const cli_command *c)
 {
-    const char *variable = strcmp(typed, "report") == 0 ? "REPORT" : "REPOSE";
     option options[64];
-    char start[80], text[1024], line[MOST];
-    enum { width = 80 };
-    CU_ASSERT_EQUAL_FATAL(shell_line("\"$%s\" %s --help >out 2>err", variable, c->name), 0);
+    char text[1024];
+    CU_ASSERT_EQUAL_FATAL(
+        shell_line("\"$%s\" %s --help >out 2>err", strcmp(typed, "report") ? "REPOSE" : "REPORT", c->name),
+        0);
     rest = out;
-    snprintf(start, sizeof start, "usage: %s %s ", typed, c->name);
+    words_are("usage: ");
     if (c->group) {
-        line_is("%sCOMMAND [options]; repose %s COMMAND --help says more\n", start, c->name);
-        for (const cli_command *const *g = c->group; *g; g++)
-            line_is("  %-10s %s", own_name(*g), (*g)->summary);
-        text_ends();
-        return;
+        words_are("%s %s COMMAND [options]; %s %s COMMAND --help says more", typed, c->name, typed, c->name);
+        for (const cli_command *const *g = c->group; *g; g++) words_are("%s %s", own_name(*g), (*g)->summary);
+    } else {
+        synopsis_is(typed, c);
+        words_are("%s options:", c->about);
+        const size_t n = options_of(c, options);
+        for (size_t i = 0; i < n; i++) words_are("%.39s %s", options[i].typed, text_of(options[i].p, text));
+        words_are("--help this text refuses: %s example: %s", c->refuses, c->example);
     }
-    for (const char *from = c->synopsis; next_line(&from, line);) {
-        filled(start, line, 11, width);
-        snprintf(start, sizeof start, "       %s %s ", typed, c->name);
-    }
-    line_is("%s", "");
-    check_about(c->about, width);
-    line_is("\noptions:");
-    const size_t n = options_of(c, options);
-    for (size_t i = 0; i < n; i++) {
-        snprintf(start, sizeof start, "  %-22.39s ", options[i].typed);
-        filled(start, text_of(options[i].p, text), 25, width);
-    }
-    line_is("  %-22s this text\n\nrefuses:", "--help");
-    for (const char *from = c->refuses; next_line(&from, line);) filled("  ", line, 4, width);
-    line_is("\nexample:\n  %s", c->example);
     text_ends();
 }
+
+/* ---- the form of help, manual and completion ---- */
+
+static const rp_param *options_of_do(void)
+{
+    static const rp_param rows[] = {
+        {"a_length", "cm", RP_REAL, 0, NULL, "> 0", "for which a line of sixty columns has no room", false},
+        {"n", "", RP_INT, 8, "1", "", "a number", false},
+        {"word", "", RP_CHOICE, 16, "one", "one | two", "with marks \\`*_{}[]<>#~^$@|+!&-", false},
+        {"flag", "", RP_BOOL, 24, "false", "", "yes or no", false},
+        {0}};
+    return rows;
+}
+
+static const cli_command
+    do_it =
+        {"do it",
+         "does it",
+         "FILE --a-length CM [-n NUMBER] [--word one|two] [--flag]\nFILE",
+         "A paragraph of which two lines\nare filled in here, with a_mark.\n  a line as it is\nOther words.",
+         "made do it x",
+         options_of_do,
+         "One thing.\nAnother thing, which is said in so many words that they go on below."},
+    do_all = {"do", "what is done", .group = (const cli_command *const[]){&do_it, NULL}};
+static const cli_program made = {"made", "Made", "a program", (const cli_command *const[]){&do_all, NULL}};
+
+/* What a command of the program prints. */
+static char *printed(int argc, char **argv)
+{
+    char *text;
+    size_t size;
+    RP_SCOPE(arena);
+    const cli_command *c = cli_find(cli_repose.commands, argv[0]);
+    cli_call call = {.arena = &arena, .program = &made, .out = open_memstream(&text, &size)};
+    CHECK_OK(cli_run(&call, c ? c : &do_it, argc, argv));
+    fclose(call.out);
+    return text;
+}
+
+static const char help_of_do[] =
+    "usage: made do it FILE --a-length CM [-n NUMBER] [--word one|two] [--flag]\n"
+    "       made do it FILE\n\n"
+    "A paragraph of which two lines are filled in here, with a_mark.\n"
+    "  a line as it is\n"
+    "Other words.\n\n"
+    "options:\n"
+    "  --a-length             for which a line of sixty columns has no room, cm; > 0\n"
+    "                         (required)\n"
+    "  -n                     a number (default 1)\n"
+    "  --word                 with marks \\`*_{}[]<>#~^$@|+!&-; one | two (default\n"
+    "                         one)\n"
+    "  --flag                 yes or no\n"
+    "  --help                 this text\n\n"
+    "refuses:\n"
+    "  One thing.\n"
+    "  Another thing, which is said in so many words that they go on below.\n\n"
+    "example:\n"
+    "  made do it x\n";
+static const char manual_of_do[] =
+    "## repose do\n\nwhat is done\n\n## repose do it\n\n"
+    "**repose do it** FILE \\-\\-a\\-length CM \\[\\-n NUMBER\\] \\[\\-\\-word one\\|two\\] "
+    "\\[\\-\\-flag\\]\n\n"
+    "**repose do it** FILE\n\n"
+    "A paragraph of which two lines\n"
+    "are filled in here, with a\\_mark.\n\n"
+    "      a line as it is\n\n"
+    "Other words.\n\n"
+    "**\\-\\-a\\-length**\n"
+    ":   for which a line of sixty columns has no room, cm; \\> 0 (required)\n\n"
+    "**\\-n**\n"
+    ":   a number (default 1)\n\n"
+    "**\\-\\-word**\n"
+    ":   with marks \\\\\\`\\*\\_\\{\\}\\[\\]\\<\\>\\#\\~\\^\\$\\@\\|\\+\\!\\&\\-; one \\| two (default "
+    "one)\n\n"
+    "**\\-\\-flag**\n"
+    ":   yes or no\n\n"
+    "Refuses: One thing.\n"
+    "Another thing, which is said in so many words that they go on below.\n\n"
+    "Example:\n\n    made do it x\n\n";
+static const char completion_of_do[] =
+    "# Completion of repose, from `repose help --completion`; names of files where no word fits.\n"
+    "_repose()\n"
+    "{\n"
+    "    local words=\n"
+    "    case \"${COMP_WORDS[*]:1:COMP_CWORD-1} \" in\n"
+    "    'do it'*' --a-length ') words='' ;;\n"
+    "    'do it'*' -n ') words='' ;;\n"
+    "    'do it'*' --word ') words='one  two' ;;\n"
+    "    'do it '*) words='--a-length -n --word --flag --help' ;;\n"
+    "    'do ') words='it --help' ;;\n"
+    "    ' ') words='do --help --version' ;;\n"
+    "    esac\n"
+    "    mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"${COMP_WORDS[COMP_CWORD]}\")\n"
+    "}\n"
+    "complete -o bashdefault -o default -F _repose repose\n";
+
+static void test_form(void)
+{
+    char it[] = "it", help[] = "help", form[] = "--help", markdown[] = "--markdown", bash[] = "--completion";
+    scoped char *text = printed(2, (char *[]){it, form, NULL});
+    CU_ASSERT_STRING_EQUAL(text, help_of_do);
+    scoped char *manual = printed(2, (char *[]){help, markdown, NULL});
+    char *from = strstr(manual, "## repose do\n"), *to = strstr(manual, "# KEYS");
+    CU_ASSERT_FATAL(from && to);
+    *to = '\0';
+    CU_ASSERT_STRING_EQUAL(from, manual_of_do);
+    scoped char *completion = printed(2, (char *[]){help, bash, NULL});
+    CU_ASSERT_STRING_EQUAL(completion, completion_of_do);
+}
+
+/* ---- all commands ---- */
 
 static void test_help(void)
 {
@@ -237,83 +313,33 @@ static void test_arguments(void)
 
 /* ---- manual ---- */
 
-/* The next line is this text between two others: each mark of Markdown is escaped. */
-static void marked(const char *before, const char *text, const char *after)
-{
-    char line[4096], *to = stpcpy(line, before);
-    for (; *text; text++) to += sprintf(to, strspn(text, "\\`*_{}[]<>#~^$@|+!&-") ? "\\%c" : "%c", *text);
-    strcpy(to, after);
-    line_is("%s", line);
-}
-
-static void title_is(const char *before, const char *name)
-{
-    marked(before, name, "\n");
-}
-
-static void item_is(const char *dashes, const char *name, const char *text)
-{
-    marked(check_text("**%s", dashes), name, "**");
-    marked(":   ", text, "\n");
-}
-
-/* Lines in the form of the text are indented, with a blank line before and after. */
-static void lines_are(const char *text)
-{
-    char line[MOST];
-    for (bool kept = false; next_line(&text, line);) {
-        if (*line && kept != (*line == ' ')) {
-            kept = !kept;
-            line_is("%s", "");
-        }
-        if (kept)
-            line_is("    %s", line);
-        else
-            marked("", line, "");
-    }
-    line_is("%s", "");
-}
-
 static void schema_is(const rp_param *schema)
 {
-    char text[1024], word[64];
+    char text[1024];
     for (const rp_param *p = schema; p->name; p++) {
-        item_is("", p->name, text_of(p, text));
+        words_are("%s: %s", p->name, text_of(p, text));
         int k = 0;
         for (const char *at = p->range, *end; p->manual && *at; at = *end ? end + 3 : end) {
             end = at + strcspn(at, " ");
-            char *to = stpcpy(text, "    *");
-            for (const char *c = strncpy(word, at, 63); c - word < end - at; c++)
-                to += sprintf(to, *c == '_' ? "\\%c" : "%c", *c);
-            strcpy(to, "*: ");
-            marked(text, p->manual[k++], "\n");
+            words_are("%.*s: %s", (int)(end - at), at, p->manual[k++]);
         }
     }
 }
 
 static void command_is(const cli_command *c)
 {
-    char text[1024], line[MOST];
+    char text[1024];
     option options[64];
-    title_is("## repose ", c->name);
+    words_are("## repose %s", c->name);
     if (c->group) {
-        title_is("", c->summary);
+        words_are("%s", c->summary);
         return; /* `each` continues with its commands */
     }
-    snprintf(text, sizeof text, "**repose %s** ", c->name);
-    for (const char *from = c->synopsis; next_line(&from, line);) marked(text, line, "\n");
-    lines_are(c->about);
+    synopsis_is("repose", c);
+    words_are("%s", c->about);
     const size_t n = options_of(c, options);
-    for (size_t i = 0; i < n; i++) {
-        const char *name = options[i].typed + strspn(options[i].typed, "-");
-        item_is(name - options[i].typed == 2 ? "\\-\\-" : "\\-", name, text_of(options[i].p, text));
-    }
-    snprintf(text, sizeof text, "Refuses: ");
-    for (const char *from = c->refuses; next_line(&from, line);) {
-        marked(text, line, "");
-        *text = '\0';
-    }
-    line_is("\nExample:\n\n    %s\n", c->example);
+    for (size_t i = 0; i < n; i++) words_are("%.39s: %s", options[i].typed, text_of(options[i].p, text));
+    words_are("Refuses: %s Example: %s", c->refuses, c->example);
 }
 
 static void test_manual(void)
@@ -323,84 +349,33 @@ static void test_manual(void)
     CU_ASSERT_PTR_NOT_NULL_FATAL(files);
     GOOD("help --markdown");
     rest = out;
-    line_is("%% REPOSE(1) Repose %s | User Commands\n", RP_VERSION);
-    title_is("# ", "NAME");
-    title_is("repose \\- ", cli_repose.about);
-    title_is("# ", "SYNOPSIS");
-    line_is("**repose** *COMMAND* [options]\n");
-    title_is("# ", "COMMANDS");
+    words_are("%% REPOSE(1) Repose %s | User Commands # NAME repose - %s # SYNOPSIS repose COMMAND [options] "
+              "# COMMANDS",
+              RP_VERSION, cli_repose.about);
     each(cli_repose.commands, command_is);
-    title_is("# ", "KEYS OF A SCENE FILE");
+    words_are("# KEYS OF A SCENE FILE");
     for (const dem_scene_group *g = dem_scene_schemas; g->name; g++) {
-        title_is("## ", g->name);
-        lines_are(g->manual);
+        words_are("## %s %s", g->name, g->manual);
         schema_is(g->schema);
     }
-    title_is("# ", "KEYS AND OUTPUTS OF A SWEEP'S PROTOCOL");
+    words_are("# KEYS AND OUTPUTS OF A SWEEP'S PROTOCOL");
     for (const sweep_protocol *const *each_of = sweep_protocols; *each_of; each_of++) {
         const sweep_protocol *p;
         CHECK_OK(sweep_protocol_open(*each_of, NULL, NULL, &p));
-        title_is("## Protocol ", p->name);
-        lines_are(p->about);
+        words_are("## Protocol %s %s", p->name, p->about);
         schema_is(p->schema);
-        title_is("### Outputs of protocol ", p->name);
-        for (const sweep_output *o = p->outputs; o->name; o++) {
-            char text[1024];
-            snprintf(text, sizeof text, *o->unit ? "%s, %s" : "%s", o->meaning, o->unit);
-            item_is("", o->name, text);
-        }
+        words_are("### Outputs of protocol %s", p->name);
+        for (const sweep_output *o = p->outputs; o->name; o++)
+            words_are("%s: %s%s%s", o->name, o->meaning, *o->unit ? ", " : "", o->unit);
         sweep_protocol_close(p);
     }
-    title_is("# ", "EXIT STATUS");
-#define X(name, code, text) item_is("", #code, text);
+    words_are("# EXIT STATUS");
+#define X(name, code, text) words_are("%s: %s", #code, text);
     RP_STATUS_LIST(X)
 #undef X
-    title_is("# ", "FILES");
-    lines_are(files + 2);
+    words_are("# FILES %s", files + 2);
     text_ends();
     free(overview);
-}
-
-/* ---- completion ---- */
-
-static void completion_of(const cli_command *c)
-{
-    char words[4096] = "";
-    option options[64];
-    if (c->group) {
-        for (const cli_command *const *g = c->group; *g; g++) completion_of(*g);
-        for (const cli_command *const *g = c->group; *g; g++) strcat(strcat(words, own_name(*g)), " ");
-        line_is("    '%s ') words='%s--help' ;;", c->name, words);
-        return;
-    }
-    const size_t n = options_of(c, options);
-    for (size_t i = 0; i < n; i++) {
-        const rp_param *p = options[i].p;
-        char choices[512] = "";
-        if (p->type == RP_CHOICE)
-            for (const char *r = p->range; *r; r += *r == '|')
-                strncat(choices, r, strcspn(r, "|")), r += strcspn(r, "|");
-        if (p->type != RP_BOOL) line_is("    '%s'*' %s ') words='%s' ;;", c->name, options[i].typed, choices);
-    }
-    for (const cli_command *const *g = cli_repose.commands; *g && strcmp(c->name, "help") == 0; g++)
-        strcat(strcat(words, (*g)->name), " ");
-    for (size_t i = 0; i < n; i++) strcat(strcat(words, options[i].typed), " ");
-    line_is("    '%s '*) words='%s--help' ;;", c->name, words);
-}
-
-static void test_completion(void)
-{
-    char words[1024] = "";
-    GOOD("help --completion");
-    rest = out;
-    line_is("# Completion of repose, from `repose help --completion`; names of files where no word fits.\n"
-            "_repose()\n{\n    local words=\n    case \"${COMP_WORDS[*]:1:COMP_CWORD-1} \" in");
-    for (const cli_command *const *c = cli_repose.commands; *c; c++) completion_of(*c);
-    for (const cli_command *const *c = cli_repose.commands; *c; c++) strcat(strcat(words, (*c)->name), " ");
-    line_is("    ' ') words='%s--help --version' ;;\n    esac", words);
-    line_is("    mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"${COMP_WORDS[COMP_CWORD]}\")\n}\n"
-            "complete -o bashdefault -o default -F _repose repose");
-    text_ends();
 }
 
 /* ---- parameters ---- */
@@ -560,5 +535,5 @@ static void test_params(void)
     FAILS(65, "(did you mean \"scene\"?)", "params scen");
 }
 
-CHECK_SUITE_WITHIN(help, "help", enter, leave, test_help, test_room, test_arguments, test_manual,
-                   test_completion, test_params)
+CHECK_SUITE_WITHIN(help, "help", enter, leave, test_form, test_help, test_room, test_arguments, test_manual,
+                   test_params)

@@ -115,6 +115,29 @@ static void test_stride(void)
     SHELL(check_text("\"%s\" --full --test stride helpers >/dev/null 2>&1", program));
 }
 
+/* What is left out is counted: a part of a test, which passes, and a test, which does not. */
+static void test_left_out(void)
+{
+    char program[256] = "";
+    if (check_full()) {
+        check_skip("a part");
+        return;
+    }
+    CU_ASSERT_FATAL(readlink("/proc/self/exe", program, sizeof program - 1) > 0);
+    CU_ASSERT(shell_line("\"%s\" --full --test 'left out' helpers >out 2>err", program) == 0);
+    CHECK_PARTS(out, "  skipped left out: a part\n", "  skipped left out too: no need, for a test\n",
+                "passed  helpers: left out, ", " skipped      3 tests or parts of them\n",
+                "tests      2      1      1      0        1\n");
+    CU_ASSERT_PTR_NULL(strstr(out, "passed  helpers: left out too"));
+}
+
+static void test_left_out_too(void)
+{
+    if (!check_full()) return;
+    check_skip_test("no need, for a test");
+    check_skip_test("and not twice");
+}
+
 static void no_case(void)
 {
     case_problem empty = {.problem = "none"};
@@ -382,6 +405,6 @@ static void test_dirty_commit(void)
     SHELL(script);
 }
 
-CHECK_SUITE_WITHIN(helpers, "helpers", enter, leave, test_check, test_cases, test_stride, test_case_tables,
-                   test_oblique, test_oblique_changes, test_oblique_end, test_same_bits, test_wrong_pairs,
-                   test_solved_pile, test_commit, test_dirty_commit)
+CHECK_SUITE_WITHIN(helpers, "helpers", enter, leave, test_check, test_cases, test_stride, test_left_out,
+                   test_left_out_too, test_case_tables, test_oblique, test_oblique_changes, test_oblique_end,
+                   test_same_bits, test_wrong_pairs, test_solved_pile, test_commit, test_dirty_commit)

@@ -228,6 +228,7 @@ static void test_models(void)
     CHECK_NEAR(N, cell(&t, top, "N/(chi*g*B)"), 5e-5);
     CHECK_NEAR(x, cell(&t, top, "x/B"), 1e-3);
     CHECK_NEAR(dip, 1.0 - low / N, 5e-4);
+    PRINTS("# dip: 0: ", "tent --outer-deg 45 --inner-deg 30 --x1 0.38");
     check_note(&t, "outer-deg", "30 degrees");
     check_note(&t, "inner-deg", "45 degrees");
     check_note(&t, "x1", "0.3 B");
@@ -328,22 +329,5 @@ static void test_run(void)
     CU_ASSERT(seconds >= 1.0 && seconds == floor(seconds));
 }
 
-/* ---- the dip of the pressure ---- */
-
-static void test_dip(void)
-{
-    FILE *file = file_of("piles.tsv");
-    for (int k = 1; k <= 20; k++) fprintf(file, "n_%02d\t", k);
-    fputs("excess\tstatus\n", file);
-    for (int i = 0; i < 7; i++) {
-        for (int k = 0; k < 20; k++)
-            fprintf(file, "%g\t", 1.0 - 0.002 * (k - 9.5) * (k - 9.5) + 0.01 * ((7 * i + 3 * k) % 5));
-        fprintf(file, "%g\t%s\n", 0.01 * (i % 3), i < 5 ? "ok" : "no_pile");
-    }
-    fclose(file);
-    scoped_table t = TABLE_OF("stress dip piles.tsv --profile");
-    check_note(&t, "rows", "5 used, 2 left out");
-}
-
 CHECK_SUITE_WITHIN(notes, "notes", enter, leave, test_rows, test_pile, test_idle_options, test_terminal,
-                   test_models, test_sweep, test_run, test_dip)
+                   test_models, test_sweep, test_run)

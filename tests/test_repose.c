@@ -282,31 +282,6 @@ static void test_ramp_where_soft(void)
     }
 }
 
-/* A grain at rest in the laboratory, seen from a rotating box: its velocity is the angular velocity times the
- * distance from the origin, it spins, and a quarter turn clockwise exchanges x and y. */
-static void test_rest_in_turning_box(void)
-{
-    const dem_grain grain = {.x = 0.3, .y = 1.5, .r = 0.1, .m = 2.0};
-    dem_definition def = grains_afloat(1, &grain);
-    const double turn = M_PI / 4000.0;
-    def.rotation = true;
-    scoped_sim *sim = grains_start(&def);
-    dem_rest rest;
-    CHECK_OK(dem_rest_state(sim, 0.0, 1.0, &rest));
-    CU_ASSERT(rest.n == 1 && rest.kinetic_energy == 0.0);
-    dem_box_turn(sim, turn);
-    CHECK_OK(dem_run(sim, 2000));
-    /* 2 g: the square of the speed, and the spin that it has there of 0.4 r^2 */
-    const double v2 = turn * turn * (0.3 * 0.3 + 1.5 * 1.5 + 0.4 * 0.1 * 0.1) / (def.dt * def.dt);
-    CHECK_OK(dem_rest_state(sim, -1.6, -1.4, &rest));
-    CU_ASSERT(rest.n == 1);
-    CHECK_NEAR(rest.kinetic_energy, v2, v2 * turn * turn); /* a chord for an arc */
-    dem_box_turn(sim, 0.0);
-    CHECK_OK(dem_run(sim, 1));
-    CHECK_OK(dem_rest_state(sim, -1.6, -1.4, &rest));
-    CU_ASSERT(rest.n == 1 && rest.kinetic_energy == 0.0);
-}
-
 /* Contacts per grain with 0 < x < W, from the tables of a stage; number of these grains. */
 static double contact_number(const char *stage, double W, size_t *n_pile)
 {
@@ -583,5 +558,5 @@ static void test_limit_of_step(void)
 
 CHECK_SUITE_WITHIN(repose, "protocol repose", enter, leave, test_surfaces, test_limit_of_step,
                    test_small_halves, test_bond_order, test_frictions, test_keys_of_the_scene, test_names,
-                   test_ramp, test_ramp_where_soft, test_rest_in_turning_box, test_outputs, test_stands,
-                   test_restless, test_patience, test_refusals)
+                   test_ramp, test_ramp_where_soft, test_outputs, test_stands, test_restless, test_patience,
+                   test_refusals)

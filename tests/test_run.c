@@ -72,6 +72,9 @@ static const char acting[] =
     "  { name = `s`; of = `part.syy + c.y + sliding`; at = `feed`; optional = true; },\n"
     "  { name = `order`; of = `order`; at = `fall`; } );\n";
 
+/* Is d.part a result that lacks its name alone? */
+#define IS_WHOLE "sed -n 3p d.part/.repose 2>err | grep -q ."
+
 /* Stopped or killed before ever later calls that change a file: each snapshot, each rename, the end. */
 static void any_call(void)
 {
@@ -96,23 +99,53 @@ static void any_call(void)
                              runs[k].words) == 0);
         for (int s = 0; s < 2; s++) {
             int status = -1, stops = 0;
-            bool told = true; /* not killed between the name of the result and the end */
+            bool told = true; /* the last of them came to its closing line */
             SHELL("rm -rf d");
             for (long n = 1; status != 0 && n < 400; n += runs[k].step) {
                 status = run_by_minutes(signals[s], "", n, runs[k].words);
                 CHECK_OR_SAY(status == 0 || status == ends[s], "%s, call %ld: status %d, %s", runs[k].words,
                              n, status, err);
                 stops += status != 0;
-                if (status != 0 && shell("test -e d && ! test -e d.part") == 0) status = 0, told = false;
+                if (status != 0 && shell(IS_WHOLE) == 0) FAILS(65, "d: holds ", "%s", runs[k].words);
+                if (status != 0 && shell("test -e d") == 0) status = 0, told = false;
             }
             CHECK_OR_SAY(status == 0 && stops > 5, "%s: status %d, %d stops", runs[k].words, status, stops);
-            if (!told) SHELL("rm -f d/snapshot"); /* the last that goes */
             CU_ASSERT(equal_files());
             if (told)
                 SHELL("for t in whole.out out; do grep -v run_time $t >$t.rest; done; cmp whole.out.rest "
                       "out.rest && [ \"$(tail -n 1 err)\" = \"$(tail -n 1 whole.err)\" ]");
         }
     }
+}
+
+/* Killed before each call of a short run: the same command makes it, or gives a whole result its name; by
+ * force in place of another, one of which has the name all the time. */
+static void each_call(void)
+{
+    static const char *const words[] = {"run q.cfg -o d", "run q.cfg -o d --force"};
+    int named = 0;
+    write_text("q.cfg",
+               "steps = 2500; gravity = [0.0, 0.0]; particles = ( { x = 0.0; y = 0.0; r = 0.1; } );\n");
+    write_text("o.cfg", "steps = 4; gravity = [0.0, 0.0]; particles = ( { x = 0.0; y = 0.0; r = 0.1; } );\n");
+    GOOD("run o.cfg -o old");
+    GOOD("run q.cfg -o d");
+    SHELL("mv d whole");
+    for (int force = 0; force < 2; force++) {
+        int status = -1;
+        for (long n = 1; status != 0 && n < 200; n++) {
+            SHELL(force ? "rm -rf d d.part && cp -r old d" : "rm -rf d d.part");
+            status = run_by_minutes(SIGKILL, "", n, words[force]);
+            CU_ASSERT(status == 0 || status == 128 + SIGKILL);
+            if (force) SHELL("diff -r d old >diff || diff -r -I '^# command: ' d whole >diff");
+            const bool whole = !force && shell("test -e d || " IS_WHOLE) == 0;
+            named += whole && shell("test -e d") != 0;
+            if (status != 0 && whole) FAILS(65, "d: holds q.cfg, ", "%s", words[force]);
+            if (status != 0 && !whole) CU_ASSERT(run("%s", words[force]) == 0);
+            SHELL("diff -r -I '^# command: ' d whole >diff && ! test -e d.part");
+        }
+        CU_ASSERT(status == 0);
+    }
+    CU_ASSERT(named > 1);
 }
 
 /* A finished result is there until the new one is whole. What was begun by force goes on by force. */
@@ -123,7 +156,7 @@ static void stopped_runs(void)
     CU_ASSERT(run_by_minutes(SIGTERM, "snapshot", 3, RUN " --set steps=1400 --force") == 75);
     CHECK_PARTS(err, "stopped at step ", " of 1400; the same command continues");
     SHELL("diff -r d whole && test -s d.part/snapshot");
-    FAILS(65, "d: holds s.cfg, 1500 steps", RUN " --set steps=1400");
+    FAILS(65, "d: holds s.cfg, frames each 70", RUN " --set steps=1400");
     CU_ASSERT(run(RUN " --set steps=1400 --force") == 0);
     CHECK_PARTS(err, "repose run: d: continues from step ");
     SHELL("! test -e d.part && mv d resumed");
@@ -139,24 +172,25 @@ static void refused_resumes(void)
     SHELL("cp -r d.part good");
     static const struct {
         const char *change, *text;
-    } list[] = {
-        {"printf x | dd of=d.part/snapshot bs=1 seek=3000 conv=notrunc 2>dd",
-         "damaged: its checksum is wrong; remove d.part to begin anew"},
-        {"truncate -s 3000 d.part/snapshot", "truncated: "},
-        {"truncate -s 300 d.part/energy.tsv", "energy.tsv: shorter than at the snapshot; remove d.part"},
-        {"sed -i 2d d.part/.repose", "d.part: holds contacts.tsv, unfinished; the command that began it "},
-        {"rm d.part/.repose", "d.part: no result of this program; move it away"}};
+    } list[] = {{"printf x | dd of=d.part/snapshot bs=1 seek=3000 conv=notrunc 2>dd",
+                 "remove d.part to begin anew: d.part/snapshot: damaged: its checksum is wrong"},
+                {"truncate -s 3000 d.part/snapshot", "truncated: "},
+                {"truncate -s 300 d.part/energy.tsv",
+                 "remove d.part to begin anew: energy.tsv: shorter than at the snapshot"},
+                {"sed -i '2s/.*/contacts.tsv/' d.part/.repose",
+                 "d.part: holds contacts.tsv, unfinished; the command that began it "},
+                {"rm d.part/.repose", "d.part: no result of this program; move it away"}};
     for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
-        SHELL("rm -rf d.part && cp -r good d.part && echo contacts.tsv >>d.part/.repose");
+        SHELL("rm -rf d.part && cp -r good d.part");
         CU_ASSERT(shell(list[k].change) == 0);
         FAILS(65, list[k].text, RUN);
     }
     static const char *const others[] = {"--every 5", "--set steps=300", "--set tangential.mu=0.4"};
     SHELL("rm -rf d.part && cp -r good d.part");
     for (size_t k = 0; k < sizeof others / sizeof *others; k++)
-        FAILS(65, "d.part: holds s.cfg, 1500 steps, a frame each 70, key ", "run s.cfg --every 70 %s -o d",
+        FAILS(65, "d.part: holds s.cfg, frames each 70 70 70 70, key ", "run s.cfg --every 70 %s -o d",
               others[k]);
-    FAILS(65, "d.part: holds s.cfg, 1500 steps", "pile -o d");
+    FAILS(65, "d.part: holds s.cfg, frames each 70", "pile -o d");
     SHELL("ln -sf ../s.cfg d.part/energy.tsv");
     FAILS(74, "d.part/energy.tsv: ", RUN); /* no link is followed */
     SHELL("rm -rf d.part && cp -r good d.part");
@@ -177,11 +211,33 @@ static void stopped_phases(void)
     write_trial("a.cfg", acting);
     CU_ASSERT(run_by_minutes(SIGINT, "snapshot", 2, "run a.cfg -o d") == 75);
     CHECK_PARTS(err, "stopped at step ", " of fall: step ", "; the same command continues");
-    static const char *const others[] = {"tangential.mu=0.3", "times=4", "measure[0].every=31", "seed=3"};
+    static const char *const others[] = {"tangential.mu=0.3", "times=4", "measure[0].every=31",
+                                         "measure[1].series=true", "seed=3"};
     for (size_t k = 0; k < sizeof others / sizeof *others; k++)
-        FAILS(65, "d.part: holds a.cfg, phases, ", "run a.cfg -o d --set %s", others[k]);
+        FAILS(65, "d.part: holds a.cfg, frames each 500 ", "run a.cfg -o d --set %s", others[k]);
+    SHELL("cp a.cfg b; sed -i '/name = \"most\"/{h;d};/name = \"flow\"/G' a.cfg; ! cmp -s a.cfg b");
+    FAILS(65, "d.part: holds a.cfg, frames each 500 ", "run a.cfg -o d"); /* samples are kept by place */
+    SHELL("mv b a.cfg");
     CU_ASSERT(run("run a.cfg -o d --set 'measure[0].meaning=height' --set tangential.mu=0.40") == 0);
     CHECK_PARTS(err, "continues from step ");
+}
+
+/* A row of a sweep: a pile that is filled, opened and measured. */
+static void stopped_row(void)
+{
+    write_text("p.cfg", "protocol = \"repose\"; replicas = 2; seed = 3; fixed = { W = 1.6; H = 1.6; };\n");
+#define ROW "run p.cfg --row 1 -o d"
+    GOOD(ROW);
+    SHELL("mv d whole && grep -v run_time out >whole.out");
+    CU_ASSERT(run_by_minutes(SIGTERM, "snapshot", 3, ROW) == 75);
+    CHECK_PARTS(err, "stopped at step ", " of ", ": step ", "; the same command continues");
+    static const char *const others[] = {"--row 0", "--row 1 --every 50", "--row 1 --ledger"};
+    for (size_t k = 0; k < sizeof others / sizeof *others; k++)
+        FAILS(65, "d.part: holds p.cfg row 1, frames each 0 100 0 0, key ", "run p.cfg -o d %s", others[k]);
+    CU_ASSERT(run(ROW) == 0);
+    CHECK_PARTS(err, "repose run: d: continues from step ", "repose run: ok, ", "; tables in d\n");
+    CU_ASSERT(equal_files());
+    SHELL("grep -v run_time out | cmp - whole.out");
 }
 
 /* The file that a row leaves is the same run: the same key, and the same numbers. */
@@ -190,9 +246,12 @@ static void row_as_text(void)
     scoped_trial row;
     XXH128_hash_t key, own;
     write_trial("a.cfg", acting);
-    write_text("s.cfg", "experiment = \"a.cfg\"; replicas = 1; seed = 5; grid = { times = [2.0, 3.0]; };\n");
+    write_text("s.cfg", "experiment = \"a.cfg\"; replicas = 1; seed = 5; grid = { times = [3.0, 2.0]; };\n");
     GOOD("run s.cfg --row 1 -o d");
-    CHECK_OK(read_text(&row, acting));
+    scoped_table numbers = read_table("out"), again = TABLE_OF("run d/scene.cfg --quiet");
+    for (size_t k = 0; k < again.n_rows; k++)
+        CU_ASSERT_STRING_EQUAL(word(&again, k, "value"), word(&numbers, 0, word(&again, k, "measure")));
+    CHECK_OK(read_text(&row, check_changed(acting, "times = 3", "times = 2")));
     CHECK_OK(exp_key(row.plan, &key));
     end(&row), row = (trial){0};
     CHECK_OK(dem_text_open(path_of("d/scene.cfg"), NULL, NULL, &row.text));
@@ -291,5 +350,5 @@ static void stopped_sweep(void)
     check_driven();
 }
 
-CHECK_SUITE_WITHIN(run, "run", enter, leave, any_call, stopped_runs, refused_resumes, stopped_phases,
-                   row_as_text, sweep_rows, stopped_sweep)
+CHECK_SUITE_WITHIN(run, "run", enter, leave, any_call, each_call, stopped_runs, refused_resumes,
+                   stopped_phases, stopped_row, row_as_text, sweep_rows, stopped_sweep)

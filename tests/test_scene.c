@@ -356,7 +356,7 @@ static void bed_taken_back(void)
     scoped_scene bad = {0}, other = {0}, well = {0};
     CHECK_FAILS(
         grains_read(text,
-                    &(rp_texts){2, {"tangential.law=slip_roll", "ground={ mu_static = 0.3; a = 0.01; }"}},
+                    &(rp_texts){3, {"tangential.law=slip_roll", "ground.mu_static=0.3", "ground.a=0.01"}},
                     &well),
         RP_BAD_INPUT, "contacts_file: its table does not have the wells");
     CHECK_FAILS(grains_read(text, &(rp_texts){1, {"particles_step=1"}}, &bad), RP_BAD_INPUT,

@@ -342,6 +342,13 @@ static void test_dips(void)
                 {d.p_margin, gsl_cdf_tdist_Q((0.05 - fabs(all.mean)) / all.se, DIP_PILES - 1.0)});
     CHECK_OK(stats_mean(DIP_PILES, excess, &all));
     CHECK_PAIRS(tight, {d.excess.mean, all.mean}, {d.excess.se, all.se});
+    static const char *const words[] = {"dip",  "dip_within_margin",  "undecided", "none_within_margin",
+                                        "peak", "peak_within_margin", "undecided", "none_within_margin"};
+    for (int k = 0; k < 8; k++) {
+        d.middle.mean = k < 4 ? -0.1 : 0.1, d.p_value = k % 4 < 2 ? 0.049 : 0.05,
+        d.p_margin = k % 2 ? 0.049 : 0.05;
+        CU_ASSERT_STRING_EQUAL(stress_dip_word(&d, 0.05), words[k]);
+    }
 }
 
 static void test_bad_grids(void)

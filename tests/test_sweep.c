@@ -3,14 +3,12 @@
 #include <limits.h>
 #include <signal.h>
 #include <sqlite3.h>
-#include <sys/resource.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <xxhash.h>
 
-#include "core/clock.h"
 #include "core/file.h"
 #include "core/version.h"
 #include "dem/scene/text.h"
@@ -21,7 +19,7 @@
 #include "tests/numbers.h"
 
 /* The toy protocol: y = x + k + noise from the stream of the run. */
-enum { PLAIN, SLOW, CRASH, HALF_NO_PILE, BREAK, TAKE, SLEEP };
+enum { PLAIN, WAIT, CRASH, HALF_NO_PILE, BREAK, TAKE };
 typedef struct {
     double x, mass;
     long k;
@@ -36,16 +34,14 @@ static const rp_param toy_schema[] = {
     {"k", "", RP_INT, offsetof(toy, k), "3", "[0, 100] | auto", "second shift"},
     {"odd", "", RP_BOOL, offsetof(toy, odd), "false", "", "not used"},
     {"mode", "", RP_CHOICE, offsetof(toy, mode), "plain",
-     "plain | slow | crash | half_no_pile | break | take | sleep", "conduct"},
+     "plain | wait | crash | half_no_pile | break | take", "conduct"},
     {"picks", "", RP_TEXT, offsetof(toy, picks), "", "", "not used"},
     {0}};
 
 static const sweep_output toy_outputs[] = {
     {"y_deg", "deg", "x + k + noise"}, {"never", "s", "has no value"}, {0}};
 
-/* Shared with the workers; while it is set, slow runs from number 20 on wait, so that a sweep to be
- * interrupted cannot end first. */
-static volatile int *hold, *made; /* shared with the workers: whether runs wait; their number */
+static volatile int *made; /* the number of runs made, shared with the workers */
 
 static volatile int *shared_number(void)
 {
@@ -54,9 +50,7 @@ static volatile int *shared_number(void)
     return page;
 }
 
-/* In a quiet moment no run crashes; what the words of results end with. */
-static bool calm;
-static char ending[4];
+static bool calm; /* no run crashes */
 
 static rp_status toy_check(const void *params)
 {
@@ -79,17 +73,14 @@ static rp_status take_memory(size_t bytes, sweep_result *result)
 static rp_status toy_run(const void *params, unsigned long seed, unsigned long run,
                          const sweep_tables *tables, sweep_result *result)
 {
-    (void)tables;
     const toy *p = params;
     scoped_rng *r = numbers_of(seed, run);
     result->values[0] = p->x + (double)p->k + gsl_rng_uniform(r);
-    snprintf(result->status, sizeof result->status, "%s%s", run % 2 ? "ok" : "ok_fixed_time", ending);
-    if (p->mode == SLOW) usleep(5000);
-    if (made) ++*made;
-    while (p->mode == SLOW && hold && *hold && run >= 10) usleep(1000);
+    snprintf(result->status, sizeof result->status, "%s", run % 2 ? "ok" : "ok_fixed_time");
+    if (made) __atomic_add_fetch(made, 1, __ATOMIC_RELAXED);
     if (p->mode == CRASH && run % 3 == 1 && !calm) abort();
     if (p->mode == HALF_NO_PILE && run % 2) snprintf(result->status, sizeof result->status, "no_pile");
-    if (p->mode == SLEEP) usleep(500000);
+    while (p->mode == WAIT && !*tables->stop) usleep(1000);
     if (p->mode == TAKE) return take_memory((size_t)p->k * 1000000, result);
     return p->mode == BREAK && run == 3 ? rp_fail(RP_BROKEN, "planted failure") : RP_OK;
 }
@@ -329,24 +320,6 @@ static void test_bundles(void)
     CU_ASSERT(number(&t, 3, "x") == 1.5 && number(&t, 3, "mass") == 3.0);
 }
 
-/* Replica k of every grid point has the same streams, those of the file's seed. */
-static void test_shared_piles(void)
-{
-    made_by(1, "replicas = 3; seed = 77; grid = { x = [0.125, 2.385]; };");
-    const char *own = digest(6);
-    write_sweep("replicas = 3; seed = 77; piles = \"shared\";grid = { x = [0.125, 2.385]; };");
-    CHECK_OK(prepare());
-    CU_ASSERT(c.planned == 6 && c.stored == 0);
-    CHECK_OK(run(2));
-    CU_ASSERT_STRING_NOT_EQUAL(digest(6), own);
-    scoped_table t = exported(SWEEP_RUNS);
-    CU_ASSERT_FATAL(t.n_rows == 6);
-    for (size_t r = 0; r < 6; r++) {
-        CU_ASSERT(number(&t, r, "run") == (double)(r) && number(&t, r, "pile") == (double)(r % 3));
-        CU_ASSERT(number(&t, r, "y_deg") == expected(r < 3 ? 0.125 : 2.385, 3, 77, r % 3));
-    }
-}
-
 /* The noise of the run with these values, or NaN: y - x - k. */
 static double noise(const rp_table *t, const char *x, const char *k, const char *replica)
 {
@@ -458,56 +431,11 @@ static void test_stored_once(void)
     CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE " Y " = 99") == 0);
 }
 
-#define SLOW_SWEEP                                                                                           \
-    "replicas = 15; piles = \"shared\"; fixed = { mode = \"slow\"; }; grid = { x = "                         \
-    "[0.125, 2.385]; };"
-enum { SLOW_RUNS = 30 };
-
-/* Run the sweep in a separate process, and send it `signal` once `rows` rows are stored. */
-static int interrupted(int signal, size_t rows)
-{
-    int end = 0;
-    hold = shared_number();
-    c.stored = 0;
-    *hold = 1;
-    pid_t child = fork();
-    if (child == 0) _exit((int)run(2));
-    while (c.stored < rows && waitpid(child, &end, WNOHANG) == 0) {
-        CHECK_OK(sweep_status(dir, toys, &c));
-        usleep(2000);
-    }
-    kill(child, signal);
-    *hold = 0;
-    waitpid(child, &end, 0);
-    return end;
-}
+enum { RUNS = 30 };
 
 /* Rows are the same rows afterwards, with their times. */
 #define KEEP "CREATE TABLE kept AS SELECT key, seconds, results FROM runs"
 #define KEPT "SELECT count(*) FROM runs JOIN kept USING (key, seconds, results)"
-
-static void test_digest(void)
-{
-    made_by(1, SLOW_SWEEP);
-    const char *one = digest(SLOW_RUNS);
-    made_by(2, SLOW_SWEEP);
-    CU_ASSERT_STRING_EQUAL(digest(SLOW_RUNS), one);
-
-    planned(SLOW_SWEEP);
-    int end = interrupted(SIGKILL, 4);
-    CU_ASSERT(WIFSIGNALED(end) && WTERMSIG(end) == SIGKILL && stored() >= 4 && c.stored < SLOW_RUNS);
-    const size_t first = c.stored;
-    sql(KEEP);
-    CHECK_OK(run(2));
-    CU_ASSERT_STRING_EQUAL(digest(SLOW_RUNS), one);
-    CU_ASSERT(sql_number(KEPT) == (sqlite3_int64)first);
-
-    forget_runs(5, SLOW_RUNS);
-    end = interrupted(SIGTERM, 9);
-    CU_ASSERT(WIFEXITED(end) && WEXITSTATUS(end) == RP_STOPPED && stored() >= 9 && c.stored < SLOW_RUNS);
-    CHECK_OK(run(3));
-    CU_ASSERT_STRING_EQUAL(digest(SLOW_RUNS), one);
-}
 
 /* Workers that outlive the parent would continue, and could hold the lock. */
 static size_t stored_before; /* the drive */
@@ -515,7 +443,7 @@ static size_t stored_before; /* the drive */
 static void count_calls(const sweep_progress *p, void *context)
 {
     size_t *calls = context;
-    CU_ASSERT(p->planned == SLOW_RUNS && p->stored <= p->planned && p->failed == 0);
+    CU_ASSERT(p->planned == RUNS && p->stored <= p->planned && p->failed == 0);
     CU_ASSERT(isnan(p->left) ? p->stored == stored_before : p->left >= 0.0);
     CU_ASSERT(p->stored < p->planned || p->left == 0.0);
     const double finished = (double)(p->stored - stored_before), left = (double)(p->planned - p->stored);
@@ -526,21 +454,22 @@ static void count_calls(const sweep_progress *p, void *context)
 
 static void test_stop(void)
 {
-    planned(SLOW_SWEEP);
+    planned("replicas = 15; piles = \"shared\"; grid = { x = [0.125, 2.385]; };");
     made = shared_number();
     size_t calls = 0;
     sweep_options o = {.workers = 1, .watch = count_calls, .context = &calls};
     CHECK_FAILS(sweep_run(dir, toys, &o, &c), RP_STOPPED, " of 30 stored; run again to resume");
-    CU_ASSERT(stored() > 0 && c.stored < SLOW_RUNS);
+    CU_ASSERT(stored() > 0 && c.stored < RUNS);
     CU_ASSERT(c.stored == (size_t)*made);        /* the run that a worker was at has ended, and is there */
     CU_ASSERT(waitpid(-1, NULL, WNOHANG) == -1); /* no worker is left */
     o.workers = 2;
     stored_before = c.stored;
     CHECK_OK(sweep_run(dir, toys, &o, &c));
-    CU_ASSERT(c.stored == SLOW_RUNS && waitpid(-1, NULL, WNOHANG) == -1);
+    CU_ASSERT(c.stored == RUNS && waitpid(-1, NULL, WNOHANG) == -1);
+    CU_ASSERT(*made == RUNS); /* none of them twice */
     size_t before = calls;
     CHECK_OK(sweep_run(dir, toys, &o, &c)); /* nothing to do */
-    CU_ASSERT(calls == before && c.stored == SLOW_RUNS);
+    CU_ASSERT(calls == before && c.stored == RUNS);
     sql("DELETE FROM sweep"); /* as it is before a plan has been entered */
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "holds no sweep");
 }
@@ -581,15 +510,7 @@ static void test_limits(void)
     }
 }
 
-/* A run that is shorter than the limits of time is no failure. */
-static void test_within_limits(void)
-{
-    planned("replicas = 2; fixed = { mode = \"sleep\"; };");
-    CHECK_OK(sweep_run(dir, toys, &(sweep_options){.workers = 2, .time = 30.0}, &c));
-    CU_ASSERT(c.stored == 2 && c.failed == 0);
-}
-
-/* All workers that are busy end their runs when a drive is stopped. */
+/* All workers that are busy end their runs when a drive is stopped; until then they do not. */
 static void interrupt(const sweep_progress *p, void *context)
 {
     size_t *calls = context;
@@ -599,8 +520,8 @@ static void interrupt(const sweep_progress *p, void *context)
 static void test_stop_of_all(void)
 {
     size_t calls = 0;
-    planned("replicas = 4; fixed = { mode = \"sleep\"; };");
-    const sweep_options o = {.workers = 2, .watch = interrupt, .context = &calls};
+    planned("replicas = 4; fixed = { mode = \"wait\"; };");
+    const sweep_options o = {.workers = 2, .snapshot = 1e9, .watch = interrupt, .context = &calls};
     CHECK_FAILS(sweep_run(dir, toys, &o, &c), RP_STOPPED, "stopped: 2 of 4 stored");
     CU_ASSERT_EQUAL(stored(), 2);
 }
@@ -951,11 +872,8 @@ static void test_bad_folders(void)
                 "cannot make the directory"); /* below a regular file */
     CHECK_OK(prepare());
     CHECK_FAILS(run(0), RP_BAD_INPUT, "workers = 0");
-    const sweep_protocol *protocol;
-    sweep_result result;
-    const sweep_tables tables = {base, 1, NULL};
     RP_SCOPE(arena);
-    CHECK_FAILS(sweep_trace(file, toys, 40, &tables, &arena, &protocol, &result), RP_BAD_INPUT,
+    CHECK_FAILS(sweep_read_again(file, toys, 40, &arena, &(sweep_again){0}), RP_BAD_INPUT,
                 "allowed: [0, 39]");
     unlink(store);
     CHECK_FAILS(run(1), RP_BAD_INPUT, "store.sqlite: no store; `repose sweep plan` makes it");
@@ -975,54 +893,9 @@ static void test_bad_folders(void)
     CU_ASSERT_PTR_NOT_NULL_FATAL(full);
     CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, full), RP_IO, "No space left on device");
     fclose(full);
-}
-
-/* A process that locks a file, and lives until it is killed. */
-static pid_t start_holder(const char *path)
-{
-    int ready[2];
-    char byte = 0;
-    CU_ASSERT_FATAL(pipe(ready) == 0);
-    const pid_t holder = fork();
-    if (holder == 0) {
-        const int lock = open(path, O_RDWR);
-        byte = (char)fcntl(lock, F_SETLK, &(struct flock){.l_type = F_WRLCK, .l_whence = SEEK_SET});
-        if (write(ready[1], &byte, 1) == 1) pause();
-        _exit(1);
-    }
-    CU_ASSERT(read(ready[0], &byte, 1) == 1 && byte == 0);
-    close(ready[0]);
-    close(ready[1]);
-    return holder;
-}
-
-static void test_lock(void)
-{
-    planned(SMALL_SWEEP);
-    const char *path = folder_path(dir, "lock");
-    const pid_t holder = start_holder(path); /* a second process on the same sweep is refused */
-    CHECK_FAILS(run(1), RP_IO, "another process runs or plans this sweep");
-    CHECK_FAILS(prepare(), RP_IO, "another process runs or plans this sweep");
-    CHECK_OK(sweep_status(dir, toys, &c)); /* readers do not wait */
-    kill(holder, SIGKILL);
-    waitpid(holder, NULL, 0);
-    CHECK_OK(run(1));
-    unlink(path);
-    mkdir(path, 0777);
+    unlink(folder_path(dir, "lock"));
+    mkdir(folder_path(dir, "lock"), 0777);
     CHECK_FAILS(run(1), RP_IO, "lock: cannot write");
-}
-
-/* The digest has the whole word of each status. */
-static void test_digest_of_words(void)
-{
-    const char *digests[3];
-    for (int k = 0; k < 3; k++) {
-        strcpy(ending, k == 1 ? "_b" : "_a");
-        made_by(1, SMALL_SWEEP);
-        digests[k] = digest(40);
-    }
-    *ending = 0;
-    CU_ASSERT(strcmp(digests[0], digests[1]) != 0 && strcmp(digests[0], digests[2]) == 0);
 }
 
 /* ---- shards ---- */
@@ -1138,7 +1011,7 @@ static void test_known_keys(void)
     RP_ENDS(sweep_plan_free) sweep_plan plan;
     fresh(
         "replicas = 2; seed = 77; fixed = { k = 5; odd = true; };\n"
-        "grid = ( { x = [0.5, -1.5]; mass = [1.0, 2.5]; }, { mode = [\"plain\", \"slow\", \"crash\"]; } );");
+        "grid = ( { x = [0.5, -1.5]; mass = [1.0, 2.5]; }, { mode = [\"plain\", \"wait\", \"crash\"]; } );");
     CHECK_OK(sweep_plan_read(file, toys, &plan));
     CU_ASSERT(plan.n_points == 6 && plan.n_runs == 12);
     strcpy(plan.model, "toy 4 ");
@@ -1151,9 +1024,9 @@ static void test_known_keys(void)
         CU_ASSERT_EQUAL(s.pile, known[k].stream.pile);
     }
     CU_ASSERT_STRING_EQUAL(sweep_plan_describe(&plan, 4, text, sizeof text),
-                           "x = -1.5, mass = 2.5, mode = slow");
+                           "x = -1.5, mass = 2.5, mode = wait");
     CU_ASSERT_STRING_EQUAL(sweep_plan_parameters(&plan, 4, text, sizeof text),
-                           "{\"k\":5,\"odd\":\"true\",\"x\":-1.5,\"mass\":2.5,\"mode\":\"slow\"}");
+                           "{\"k\":5,\"odd\":\"true\",\"x\":-1.5,\"mass\":2.5,\"mode\":\"wait\"}");
 }
 
 /* The digest is that of parameters and streams, status and outputs of the rows in their order, a missing
@@ -1235,36 +1108,6 @@ static void test_recipes(void)
     }
 }
 
-/* A file that may not grow, as on a full disk: the run ends with a message, and the stored rows stay. */
-static void test_full_disk(void)
-{
-    planned("replicas = 2000; fixed = { x = 2.385; };");
-    struct stat info;
-    CU_ASSERT(stat(store, &info) == 0);
-    int pipes[2];
-    CU_ASSERT(pipe(pipes) == 0);
-    pid_t child = fork();
-    if (child == 0) {
-        struct rlimit limit = {(rlim_t)info.st_size + 8192, (rlim_t)info.st_size + 8192};
-        signal(SIGXFSZ, SIG_IGN);
-        setrlimit(RLIMIT_FSIZE, &limit);
-        rp_status status = run(1);
-        if (write(pipes[1], rp_message(), strlen(rp_message()) + 1) < 0) _exit(1);
-        _exit((int)status);
-    }
-    char message[1024] = "";
-    int end;
-    waitpid(child, &end, 0);
-    CU_ASSERT(read(pipes[0], message, sizeof message - 1) > 0);
-    CU_ASSERT(WIFEXITED(end) && WEXITSTATUS(end) == RP_IO);
-    CU_ASSERT_PTR_NOT_NULL(strstr(message, "store.sqlite: cannot store "));
-    close(pipes[0]);
-    close(pipes[1]);
-    CU_ASSERT(stored() > 0 && c.stored < 2000);
-    sql("UPDATE runs SET message = 'writable'"); /* the store is intact */
-    CU_ASSERT(sql_number("SELECT count(*) FROM pragma_integrity_check WHERE integrity_check = 'ok'") == 1);
-}
-
 /* Every parameter of the list of dem/law/parameters.h is known to sweeps of texts and, by its key, scenes. */
 static void test_physics(void)
 {
@@ -1317,11 +1160,10 @@ static void test_columns(void)
     }
 }
 
-CHECK_SUITE_WITHIN(sweep, "sweep", NULL, clean, test_order, test_bundles, test_shared_piles, test_growing,
-                   test_reduce, test_statuses, test_stored_once, test_digest, test_stop, test_crash,
-                   test_plan_again, test_replicas, test_models, test_further_output, test_bad_files,
-                   test_bad_folders, test_limits, test_within_limits, test_half_made, test_makers,
-                   test_read_only, test_literal_names, test_left_snapshots, test_stop_of_all, test_lock,
-                   test_full_disk, test_shards, test_digest_of_words, test_merge, test_merge_of_crashed,
-                   test_known_keys, test_digest_of_rows, test_stored_columns, test_recipes, test_physics,
-                   test_cleared, test_columns)
+CHECK_SUITE_WITHIN(sweep, "sweep", NULL, clean, test_order, test_bundles, test_growing, test_reduce,
+                   test_statuses, test_stored_once, test_stop, test_crash, test_plan_again, test_replicas,
+                   test_models, test_further_output, test_bad_files, test_bad_folders, test_limits,
+                   test_half_made, test_makers, test_read_only, test_literal_names, test_left_snapshots,
+                   test_stop_of_all, test_shards, test_merge, test_merge_of_crashed, test_known_keys,
+                   test_digest_of_rows, test_stored_columns, test_recipes, test_physics, test_cleared,
+                   test_columns)

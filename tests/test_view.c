@@ -751,10 +751,9 @@ static void test_hostile(void)
         write_text("g.tsv", "# units: s\t%s\t%s\t%s\t%s\nt\tx\ty\tr\t%s\n0.5\t0.25\t0.5\t0.125\t1\n",
                    texts[k], texts[k], texts[k], texts[k], texts[k]);
         write_text("name", "%s", texts[k]);
-        SHELL("\"$REPOSE\" view g.tsv -o p.svg --force --color \"$(cat name)\" >out 2>err && ! ls hit >>out "
-              "2>&1");
         SHELL("d=\"d$(cat name | tr / _)\"; mkdir -p \"$d\" && cp g.tsv \"$d/x_grains.tsv\" && \"$REPOSE\" "
-              "view \"$d\" -o \"$d/p.svg\" >out 2>err && ls \"$d/p.svg\" >out && ! ls hit >>out 2>&1");
+              "view \"$d\" -o \"$d/p.svg\" --color \"$(cat name)\" >out 2>err && ls \"$d/p.svg\" >out && "
+              "! ls hit >>out 2>&1");
     }
 }
 
@@ -990,7 +989,6 @@ static void test_sweep_progress(void)
             CU_ASSERT_STRING_EQUAL(text, "repose sweep: 2 of 30 runs, 1 failed, 1:15 left\n"
                                          "repose sweep: 15 of 30 runs, 2 failed, 1:01:01 left\n");
         static const char *const bars[] = {
-            "\r1 of 100000 parts\r100000 of 100000 parts\r\n",
             "[                              ] 0/30  0 failed  0:00  left - ",
             "] 1/30 ",
             "] 2/30 ",
@@ -999,7 +997,7 @@ static void test_sweep_progress(void)
             "[##############################] 30/30 "};
         const char *at = text;
         for (size_t i = 0; k == 1 && at && i < sizeof bars / sizeof *bars; i++) at = strstr(at, bars[i]);
-        CU_ASSERT(at && !strstr(text, "few") && !strstr(text, "] 3/30"));
+        CU_ASSERT(at && !strstr(text, "] 3/30"));
     }
     close(kept), close(terminal);
 }

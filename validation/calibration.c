@@ -74,7 +74,8 @@ static void test_found_again(void)
                 truth[p] = of[p].lo + (of[p].hi - of[p].lo) * (0.2 + 0.6 * gsl_rng_uniform(rng));
             measure(names, truth, 100 * (int)names + k, value, error);
             write_fit(names, 7 + k, value, error);
-            const int status = shell("rm -rf found && $REPOSE calibrate fit.cfg -o found --quiet >out 2>err");
+            const int status =
+                shell("rm -rf found found.part && $REPOSE calibrate fit.cfg -o found --quiet >out 2>err");
             if (status > 1) fprintf(stderr, "%s", err);
             CU_ASSERT(status == RP_OK || status == RP_NO_RESULT);
             scoped_table t = read_table("out");

@@ -466,25 +466,32 @@ typedef struct {
     const char *ends;
 } gas_run;
 
-/* Elastic grains in a box, with speeds v/2, where a head-on impact at v has an overlap of `depth` radii; a
- * step of `times` of its contact time. */
-static gas_run run_gas(const equation_solver *with, double depth, double times)
+/* Elastic grains of this speed in a closed box. */
+static dem_definition gas(dem_grain grains[GAS], int law, double speed, unsigned long run)
 {
-    const double k_n = 1e6, overlap = depth * R, v = sqrt(k_n * pow(overlap, 2.5) / (1.25 * 0.5 * M));
-    gas_run out = {.contact_time = 2.9433 * overlap / v, .ends = dem_fault_text(DEM_FAULT_NONE)};
-    dem_grain grains[GAS];
-    scoped_rng *random = numbers_of(12, 0);
+    dem_definition def = grains_bare(GAS, grains, law, (dem_material){.k_n = 1e6});
+    scoped_rng *random = numbers_of(13, run);
     for (int i = 0; i < GAS; i++) {
         const double angle = 2.0 * M_PI * gsl_rng_uniform(random), r = R * (1.0 - 0.1 * (i % 3));
         grains[i] = (dem_grain){.x = 0.13 + 0.25 * (i % 6), .y = 0.13 + 0.25 * (i / 6), .r = r, .m = M};
-        grains[i].vx = 0.5 * v * cos(angle), grains[i].vy = 0.5 * v * sin(angle);
+        grains[i].vx = speed * cos(angle), grains[i].vy = speed * sin(angle);
     }
-    dem_definition def = grains_bare(GAS, grains, DEM_HERTZ, (dem_material){.k_n = k_n});
+    dem_box_walls(&def, 1.51, &def.material);
+    def.walls[def.n_walls++] = grains_line(0.0, 1.51, 0.0, -1.0, &def.material);
+    return def;
+}
+
+/* A gas with speeds v/2, where a head-on impact at v has an overlap of `depth` radii; a step of `times` of
+ * its contact time. */
+static gas_run run_gas(const equation_solver *with, double depth, double times)
+{
+    const double overlap = depth * R, v = sqrt(1e6 * pow(overlap, 2.5) / (1.25 * 0.5 * M));
+    gas_run out = {.contact_time = 2.9433 * overlap / v, .ends = dem_fault_text(DEM_FAULT_NONE)};
+    dem_grain grains[GAS];
+    dem_definition def = gas(grains, DEM_HERTZ, 0.5 * v, 0);
     def.integrator = DEM_IMPLICIT, def.implicit.solver = with->solver;
     def.implicit.tolerance = with->tolerance;
     def.skin = 0.4 * R, def.dt = out.dt = times * out.contact_time;
-    dem_box_walls(&def, 1.51, &def.material);
-    def.walls[def.n_walls++] = grains_line(0.0, 1.51, 0.0, -1.0, &def.material);
     scoped_sim *sim = grains_start(&def);
     const dem_energy before = grains_energies(sim);
     if (dem_run(sim, check_full() ? 300 : 40) == RP_OK) {
@@ -643,20 +650,9 @@ static void undamped_gas(void)
 {
     for (int k = 0; k < 2 * DEM_NORMAL_N; k++) {
         dem_grain grains[GAS];
-        scoped_rng *random = numbers_of(13, (unsigned long)k);
-        const double v = 60.0, width = 1.51;
-        for (int i = 0; i < GAS; i++) {
-            const double angle = 2.0 * M_PI * gsl_rng_uniform(random);
-            grains[i] = (dem_grain){.x = 0.13 + 0.25 * (i % 6),
-                                    .y = 0.13 + 0.25 * (i / 6),
-                                    .r = R * (1.0 - 0.1 * (i % 3)),
-                                    .m = M};
-            grains[i].vx = v * cos(angle), grains[i].vy = v * sin(angle);
-        }
-        dem_definition def = grains_bare(GAS, grains, k / 2, (dem_material){.k_n = 1e6});
+        const double v = 60.0;
+        dem_definition def = gas(grains, k / 2, v, (unsigned long)k);
         def.integrator = k % 2 ? DEM_GEAR5 : DEM_VERLET;
-        dem_box_walls(&def, width, &def.material);
-        def.walls[def.n_walls++] = grains_line(0.0, width, 0.0, -1.0, &def.material);
         def.dt = 0.99 * dem_time_step_limit(&def, NULL);
         scoped_sim *sim = grains_start(&def);
         const double before = grains_energy(sim),

@@ -5,8 +5,8 @@
 
 #include <math.h>
 
-#include "cli/result.h"
 #include "core/file.h"
+#include "core/folder.h"
 #include "sweeps/protocols/protocols.h"
 #include "table/columns.h"
 
@@ -162,8 +162,7 @@ const char *cli_own_name(const cli_command *command);
  * a line for each run that fails. */
 rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, sweep_counts *counts);
 
-/* sweep_export of a folder into a table, and into a file, "-": standard output. A table without counts
- * (NULL) is that of a sweep's file, which would have these columns, without rows. */
+/* sweep_export of a folder into a table, and into a file, "-": standard output. */
 rp_status cli_sweep_table(const cli_call *call, const char *path, unsigned what, rp_table **table,
                           sweep_counts *counts);
 rp_status cli_sweep_export(const cli_call *call, const char *dir, unsigned what, const char *path,

@@ -1,9 +1,11 @@
-/* The closing line of a run; see closing.h. */
+/* Looks at a run, and its closing line; see closing.h. */
 #include "cli/closing.h"
 
 #include <limits.h>
 #include <math.h>
+#include <unistd.h>
 
+#include "core/clock.h"
 #include "core/elementary.h"
 #include "params/units.h"
 #include "table/table.h"
@@ -32,79 +34,6 @@ static rp_status measure(rp_arena *arena, const dem_sim *sim, pile *s)
     return RP_OK;
 }
 
-static long gap_of(const cli_rest *rest)
-{
-    const long gap = rest->steps / DEM_REST_LOOKS;
-    return gap < DEM_REST_STEPS ? gap : DEM_REST_STEPS;
-}
-
-long cli_rest_next(const cli_rest *rest, long step)
-{
-    const long gap = gap_of(rest), left = rest->steps - step, looks = gap > 0 ? (left - 1) / gap : 0;
-    return left - (looks < DEM_REST_LOOKS ? looks : DEM_REST_LOOKS - 1) * gap;
-}
-
-/* Without gravity only without any energy and force. */
-rp_status cli_rest_look(rp_arena *arena, const dem_sim *sim, cli_rest *rest)
-{
-    const long gap = gap_of(rest), left = rest->steps - dem_step(sim);
-    const rp_mark mark = rp_arena_mark(arena);
-    dem_rest now;
-    pile s;
-    if (gap == 0 || left % gap != 0 || left / gap >= DEM_REST_LOOKS) return RP_OK;
-    RP_TRY(measure(arena, sim, &s));
-    RP_TRY(dem_rest_state(sim, -INFINITY, INFINITY, &now));
-    const bool passed =
-        s.n > 0 && dem_at_rest(&now, DEM_REST_ENERGY * s.weight * s.d, DEM_REST_FORCE * s.weight, true);
-    rest->passed = passed ? rest->passed + 1 : 0;
-    rp_arena_release(arena, mark);
-    return RP_OK;
-}
-
-enum { SAMPLES = 64, LEAST_STEPS = 100 * SAMPLES };
-static const double MOST_GROWTH = 0.02; /* of the largest sum of kinetic and elastic energy */
-
-cli_growth cli_growth_of(const dem_scene *scene, const dem_sim *sim)
-{
-    bool driven =
-        scene->steps < LEAST_STEPS || scene->def.turn_per_step != 0.0 || scene->def.box_turn_per_step != 0.0;
-    for (size_t w = 0; w < scene->def.n_walls; w++) {
-        const dem_wall *wall = &dem_walls_of(&scene->def)[w];
-        driven |= wall->open_at_step >= 0 || dem_wall_moves(wall);
-    }
-    return (cli_growth){.every = driven ? 0 : scene->steps / SAMPLES, .grains = dem_count(sim)};
-}
-
-long cli_growth_next(const cli_growth *g, long step)
-{
-    return g->every > 0 ? g->every - step % g->every : LONG_MAX;
-}
-
-void cli_growth_look(cli_growth *g, const dem_sim *sim)
-{
-    dem_energy e;
-    if (g->every == 0 || dem_step(sim) % g->every != 0) return;
-    dem_energies(sim, &e);
-    const double free = e.kinetic + e.elastic + e.rotational;
-    g->scale = fmax(g->scale, free);
-    if (g->n < SAMPLES / 4) g->first += free + e.gravity;
-    if (g->n >= SAMPLES - SAMPLES / 4 && g->n < SAMPLES) g->last += free + e.gravity;
-    g->n++;
-}
-
-void cli_growth_report(const cli_growth *g, const dem_sim *sim, FILE *states)
-{
-    const double grown = (g->last - g->first) / (SAMPLES / 4) / g->scale;
-    char text[160];
-    if (g->n < SAMPLES || dem_count(sim) != g->grains || !(grown > MOST_GROWTH)) return;
-    snprintf(text, sizeof text,
-             "energy grew by %.2g %% of its largest kinetic and elastic part; dt is too large for so little "
-             "damping",
-             100.0 * grown);
-    rp_table_note(states, "warning", "%s", text);
-    fprintf(stderr, "repose run: warning: %s\n", text);
-}
-
 void cli_tell_threads(const dem_sim *sim, const char *command, long threads)
 {
     if (threads > 1 && !dem_threads_serve(sim))
@@ -112,6 +41,124 @@ void cli_tell_threads(const dem_sim *sim, const char *command, long threads)
                 "repose %s: -j %ld has no use here: one thread works. Threads serve velocity Verlet without "
                 "hard collisions and ledger, from some 16000 grains on; there are %zu\n",
                 command, threads, dem_count(sim));
+}
+
+/* ---- looking on ---- */
+
+static long gap_of(const cli_looks *l)
+{
+    const long gap = l->steps / DEM_REST_LOOKS;
+    return gap < DEM_REST_STEPS ? gap : DEM_REST_STEPS;
+}
+
+/* Without gravity only without any energy and force. */
+static rp_status look_for_rest(cli_looks *l, const dem_sim *sim)
+{
+    const long gap = gap_of(l), left = l->steps - dem_step(sim);
+    const rp_mark mark = rp_arena_mark(l->arena);
+    dem_rest now;
+    pile s;
+    if (gap == 0 || left % gap != 0 || left / gap >= DEM_REST_LOOKS) return RP_OK;
+    RP_TRY(measure(l->arena, sim, &s));
+    RP_TRY(dem_rest_state(sim, -INFINITY, INFINITY, &now));
+    const bool passed =
+        s.n > 0 && dem_at_rest(&now, DEM_REST_ENERGY * s.weight * s.d, DEM_REST_FORCE * s.weight, true);
+    l->rested = passed ? l->rested + 1 : 0;
+    rp_arena_release(l->arena, mark);
+    return RP_OK;
+}
+
+enum { SAMPLES = 64, LEAST_STEPS = 100 * SAMPLES };
+static const double MOST_GROWTH = 0.02; /* of the largest sum of kinetic and elastic energy */
+
+static void look_for_growth(cli_looks *l, const dem_sim *sim)
+{
+    dem_energy e;
+    if (l->energy.every == 0 || dem_step(sim) % l->energy.every != 0) return;
+    dem_energies(sim, &e);
+    const double free = e.kinetic + e.elastic + e.rotational;
+    l->energy.scale = fmax(l->energy.scale, free);
+    if (l->energy.n < SAMPLES / 4) l->energy.first += free + e.gravity;
+    if (l->energy.n >= SAMPLES - SAMPLES / 4 && l->energy.n < SAMPLES) l->energy.last += free + e.gravity;
+    l->energy.n++;
+}
+
+void cli_looks_scene(cli_looks *l, const dem_scene *scene, const dem_sim *sim)
+{
+    bool driven =
+        scene->steps < LEAST_STEPS || scene->def.turn_per_step != 0.0 || scene->def.box_turn_per_step != 0.0;
+    for (size_t w = 0; w < scene->def.n_walls; w++) {
+        const dem_wall *wall = &dem_walls_of(&scene->def)[w];
+        driven |= wall->open_at_step >= 0 || dem_wall_moves(wall);
+    }
+    l->steps = scene->steps;
+    l->energy.every = driven ? 0 : scene->steps / SAMPLES, l->energy.grains = dem_count(sim);
+}
+
+long cli_looks_next(const void *looks, long step)
+{
+    const cli_looks *l = looks;
+    const long gap = gap_of(l), left = l->steps - step, rest = gap > 0 ? (left - 1) / gap : 0,
+               every = l->energy.every,
+               next = left - (rest < DEM_REST_LOOKS ? rest : DEM_REST_LOOKS - 1) * gap,
+               sample = every > 0 ? every - step % every : LONG_MAX;
+    return l->steps == 0 || sample < next ? sample : next;
+}
+
+rp_status cli_looks_at(void *looks, const exp_run *run)
+{
+    cli_looks *l = looks;
+    const dem_sim *sim = exp_sim(run);
+    char where[256];
+    if (!l->begun)
+        l->progress =
+            cli_progress_start(l->quiet, isatty(STDERR_FILENO), rp_clock(), exp_steps(run), l->steps);
+    if (!l->begun && !l->quiet) cli_tell_threads(sim, "run", l->threads);
+    l->begun = true;
+    if (l->steps == 0)
+        cli_progress_tell(&l->progress, rp_clock(),
+                          exp_done(run) ? NULL : exp_where(run, where, sizeof where), stderr);
+    else
+        cli_progress_show(&l->progress, rp_clock(), exp_steps(run), stderr);
+    look_for_growth(l, sim);
+    return look_for_rest(l, sim);
+}
+
+/* Once a run. */
+void cli_looks_at_frame(void *looks, const exp_run *run)
+{
+    cli_looks *l = looks;
+    size_t over = 0;
+    const size_t n = l->quiet || l->over_friction ? 0 : dem_over_friction(exp_sim(run), &over);
+    if (over == 0) return;
+    l->over_friction = true;
+    fprintf(
+        stderr,
+        "repose run: warning: t = %.5g: the shear force of %zu of %zu contacts exceeds mu times the normal "
+        "force: damping = \"outside\" adds the dashpot to this limit, \"inside\" obeys it\n",
+        dem_time(exp_sim(run)), over, n);
+}
+
+void cli_looks_keep(rp_snapshot *s, void *looks)
+{
+    cli_looks *l = looks;
+    RP_KEEP(s, l->energy);
+    RP_KEEP(s, l->rested);
+}
+
+/* ---- the end ---- */
+
+void cli_close_energy(const cli_looks *l, const dem_sim *sim, FILE *states)
+{
+    const double grown = (l->energy.last - l->energy.first) / (SAMPLES / 4) / l->energy.scale;
+    char text[160];
+    if (l->energy.n < SAMPLES || dem_count(sim) != l->energy.grains || !(grown > MOST_GROWTH)) return;
+    snprintf(text, sizeof text,
+             "energy grew by %.2g %% of its largest kinetic and elastic part; dt is too large for so little "
+             "damping",
+             100.0 * grown);
+    rp_table_note(states, "warning", "%s", text);
+    fprintf(stderr, "repose run: warning: %s\n", text);
 }
 
 /* Grains left of a right wall that has opened, or right of a left one: the pile that stays. */
@@ -141,9 +188,9 @@ rp_status cli_slope_of(rp_arena *arena, const dem_sim *sim, cli_slope *slope)
     return ang_one_sided(s.n, x, y, slope->x, s.d, &slope->theta_r);
 }
 
-void cli_close_line(const char *directory)
+void cli_close_line(const char *directory, const char *printed)
 {
-    fputs(*directory ? "; tables in " : "; states on standard output", stderr);
+    fprintf(stderr, "; %s%s", *directory ? "tables in " : printed, *directory ? "" : " on standard output");
     for (const char *c = directory; *c; c++) fputc(*c == '\n' || *c == '\r' ? ' ' : *c, stderr);
     fputc('\n', stderr);
 }
@@ -156,12 +203,12 @@ static const char *unit_text(rp_units units, const char *cgs, char text[32])
     return text;
 }
 
-void cli_close_run(rp_arena *arena, const dem_sim *sim, const cli_rest *looks, const char *directory)
+void cli_close_run(const cli_looks *looks, const dem_sim *sim, const char *directory)
 {
-    const bool rest = looks->passed == DEM_REST_LOOKS;
+    const bool rest = looks->rested == DEM_REST_LOOKS;
     char unit[32];
     cli_slope slope;
-    if (cli_slope_of(arena, sim, &slope)) return;
+    if (cli_slope_of(looks->arena, sim, &slope)) return;
     fprintf(stderr, "repose run: %zu grains, %ld steps, t = %.5g%s; %s", dem_count(sim), dem_step(sim),
             dem_time(sim), unit_text(dem_units(sim), "s", unit), rest ? "at rest" : "not at rest");
     if (rest && !isnan(slope.theta_r.theta)) {
@@ -173,5 +220,5 @@ void cli_close_run(rp_arena *arena, const dem_sim *sim, const cli_rest *looks, c
                 digit * round(slope.x[0] / digit) + 0.0, digit * round(slope.x[1] / digit) + 0.0,
                 unit_text(dem_units(sim), "cm", unit));
     }
-    cli_close_line(directory);
+    cli_close_line(directory, "states");
 }

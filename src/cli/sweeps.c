@@ -61,12 +61,10 @@ rp_status cli_sweep_table(const cli_call *call, const char *path, unsigned what,
     size_t size;
     FILE *out = open_memstream(&text, &size);
     if (!out) return rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
-    const char *name = counts ? path : what == SWEEP_POINTS ? "points" : "runs";
-    const rp_status status = counts ? sweep_export(path, sweep_protocols, what, call->line, counts, out)
-                                    : sweep_columns(path, sweep_protocols, what, out);
+    const rp_status status = sweep_export(path, sweep_protocols, what, call->line, counts, out);
     fclose(out);
     if (status) return free(text), status;
-    return rp_table_keep(call->arena, name, text, table);
+    return rp_table_keep(call->arena, path, text, table);
 }
 
 rp_status cli_claim_sweep(const char *directory, const char *file, bool force)

@@ -1,5 +1,5 @@
 /* Folders of results; see folder.h. The lines of the marker: HEAD; what the folder holds; the name of each
- * file of a whole result. */
+ * file of a whole result, which it lists before the snapshot goes, and the folder gets its name. */
 #include "core/folder.h"
 
 #include <errno.h>
@@ -37,9 +37,15 @@ static bool is_file(const char *name)
     return strcmp(name, MARKER) != 0;
 }
 
+static bool is_snapshot(const char *name)
+{
+    return strcmp(name, SNAPSHOT) == 0 ||
+           strcmp(name, "snapshot.new") == 0; /* of a process that was killed */
+}
+
 static bool is_result(const char *name)
 {
-    return is_file(name) && strcmp(name, SNAPSHOT) != 0;
+    return is_file(name) && !is_snapshot(name);
 }
 
 /* ---- the marker ---- */
@@ -62,7 +68,6 @@ static rp_status read_marker(const char *folder, char **holds)
                          folder, MARKER);
 }
 
-/* The snapshot is in the list, as it goes after the folder has its name. */
 static rp_status write_marker(const char *folder, const char *holds, const rp_paths *files)
 {
     char path[MOST_PATH];
@@ -70,7 +75,6 @@ static rp_status write_marker(const char *folder, const char *holds, const rp_pa
     RP_TRY(rp_file_open(in(folder, MARKER, path), true, &out));
     fprintf(out, "%s%s\n", HEAD, holds);
     for (size_t i = 0; files && i < files->n; i++) fprintf(out, "%s\n", basename(files->path[i]));
-    if (files) fprintf(out, "%s\n", SNAPSHOT);
     return rp_file_close(path, out, RP_OK);
 }
 
@@ -85,6 +89,11 @@ static bool lists(const char *holds, const char *name)
 static int first_line(const char *holds)
 {
     return (int)strcspn(holds, "\n");
+}
+
+static bool is_whole(const char *holds)
+{
+    return holds[first_line(holds)] && holds[first_line(holds) + 1];
 }
 
 static bool is_of(const char *holds, const char *what)
@@ -122,18 +131,18 @@ static rp_status check_free(const char *path, bool force)
     return status;
 }
 
+/* A snapshot may be a folder. */
 static rp_status clear(const char *folder, bool (*which)(const char *name))
 {
     RP_ENDS(rp_paths_free) rp_paths files = {0};
     RP_TRY(rp_paths_in(&files, folder, which));
-    for (size_t i = 0; i < files.n; i++)
-        if (unlink(files.path[i]) != 0) return failed(files.path[i]);
+    for (size_t i = 0; i < files.n; i++) {
+        if (unlink(files.path[i]) == 0) continue;
+        if (errno != EISDIR) return failed(files.path[i]);
+        RP_TRY(clear(files.path[i], is_any));
+        if (rmdir(files.path[i]) != 0) return failed(files.path[i]);
+    }
     return RP_OK;
-}
-
-rp_status rp_folder_clear(const rp_folder *f)
-{
-    return clear(f->part, is_file);
 }
 
 /* The marker goes last: what is left by a kill is still known. */
@@ -145,27 +154,37 @@ static rp_status remove_folder(const char *folder)
     return rmdir(folder) == 0 ? RP_OK : failed(folder);
 }
 
-/* DIR.part is new, of the same result, or of another one that gives way. */
-static rp_status enter(const rp_folder *f)
+static bool has_it(const rp_folder *f)
+{
+    char *holds;
+    const bool has = read_marker(f->path, &holds) == RP_OK && is_of(holds, f->holds);
+    free(holds);
+    return has;
+}
+
+/* DIR.part is new, of the same result, or of another one that gives way; empty unless there is a snapshot.
+ * *whole: it lacks its name alone, and is not what another process has just replaced. */
+static rp_status enter(const rp_folder *f, bool *whole)
 {
     RP_ENDS(rp_paths_free) rp_paths files = {0};
     char *holds;
     RP_TRY(clear(f->part, rp_file_is_temporary)); /* of processes that were killed */
     RP_TRY(rp_paths_in(&files, f->part, is_any));
     RP_TRY(read_marker(f->part, &holds));
-    const bool same = is_of(holds, f->holds);
+    const bool same = is_of(holds, f->holds), listed = is_whole(holds), begun = rp_is_in(f->part, SNAPSHOT);
     rp_status status = RP_OK;
+    *whole = listed && (access(f->path, F_OK) != 0 || (same && !has_it(f)));
     if (!*holds && files.n > 0)
         status = rp_fail(RP_BAD_INPUT, "%s: no result of this program; move it away, or give another folder",
                          f->part);
-    else if (!same && rp_is_in(f->part, SNAPSHOT) && !f->force)
+    else if (!same && !*whole && begun && !f->force)
         status =
             rp_fail(RP_BAD_INPUT,
                     "%s: holds %.*s, unfinished; the command that began it continues, --force replaces it",
                     f->part, first_line(holds), holds);
     free(holds);
-    if (status || same) return status;
-    RP_TRY(rp_folder_clear(f));
+    if (status || *whole || (same && !listed && begun)) return status;
+    RP_TRY(clear(f->part, is_file));
     return write_marker(f->part, f->holds, NULL);
 }
 
@@ -177,41 +196,20 @@ static bool is_there(const rp_folder *f)
            here.st_ino == there.st_ino;
 }
 
-static rp_status is_taken(const char *path)
+static void unlock(rp_folder *f)
 {
-    return rp_fail(RP_IO, "%s: another process runs in this folder", path);
-}
-
-rp_status rp_folder_lock(const char *path, int *lock)
-{
-    const int file = open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-    *lock = 0;
-    if (file < 0) return failed(path);
-    if (flock(file, LOCK_EX | LOCK_NB) != 0) return close(file), is_taken(path);
-    *lock = file;
-    return RP_OK;
-}
-
-rp_status rp_folder_begin(rp_arena *arena, const char *path, const char *holds, bool force, rp_folder *f)
-{
-    size_t n = strlen(path);
-    while (n > 1 && path[n - 1] == '/') n--;
-    *f = (rp_folder){.force = force};
-    RP_TRY(rp_path(arena, &f->path, "%.*s", (int)n, path));
-    RP_TRY(rp_path(arena, &f->part, "%s.part", f->path));
-    char *line = rp_text(arena, "%s", holds), *name = basename(f->path);
-    if (!line) return RP_NO_MEMORY;
-    for (char *c = line; (c = strchr(c, '\n'));) *c = ' ';
-    f->holds = line;
-    if (!*name || strcmp(name, ".") == 0 || strcmp(name, "..") == 0)
-        return rp_fail(RP_BAD_INPUT, "%s: give a folder by its name", path);
-    RP_TRY(check_free(f->path, force));
-    RP_TRY(rp_make_directory(f->part));
-    RP_TRY(rp_folder_lock(f->part, &f->lock));
-    if (is_there(f)) return enter(f);
     close(f->lock);
     f->lock = 0;
-    return is_taken(f->part);
+}
+
+static rp_status lock_part(rp_folder *f)
+{
+    const int file = open(f->part, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    if (file < 0) return failed(f->part);
+    f->lock = file;
+    if (flock(file, LOCK_EX | LOCK_NB) == 0 && is_there(f)) return RP_OK;
+    unlock(f);
+    return rp_fail(RP_IO, "%s: another process runs in this folder", f->part);
 }
 
 /* Remove a result that has been replaced, if it is there. */
@@ -235,23 +233,52 @@ static rp_status take_name(const rp_folder *f, const char *aside)
     return rp_fail(RP_IO, "%s: %s; the whole result is in %s", f->path, strerror(errno), f->part);
 }
 
-rp_status rp_folder_publish(rp_folder *f)
+/* Of what the marker lists. A kill leaves either a snapshot to go on from, or a whole result. */
+static rp_status give_name(rp_folder *f)
 {
-    RP_ENDS(rp_paths_free) rp_paths files = {0};
-    char path[MOST_PATH], aside[MOST_PATH];
-    RP_TRY(check_free(f->path, f->force));
-    unlink(in(f->part, "snapshot.new", path)); /* of a process that was killed */
-    RP_TRY(rp_paths_in(&files, f->part, is_result));
-    RP_TRY(write_marker(f->part, f->holds, &files));
+    char aside[MOST_PATH - 16];
+    if (fsync(f->lock) != 0) return failed(f->part);
+    RP_TRY(clear(f->part, is_snapshot));
     if (fsync(f->lock) != 0) return failed(f->part);
     snprintf(aside, sizeof aside, "%s.old", f->part);
     RP_TRY(take_name(f, aside));
     if (!rp_file_sync_folder(f->path)) return failed(f->path);
-    unlink(in(f->path, SNAPSHOT, path));
-    close(f->lock);
-    f->lock = 0;
+    unlock(f);
     RP_TRY(drop(f->part));
     return drop(aside);
+}
+
+rp_status rp_folder_publish(rp_folder *f)
+{
+    RP_ENDS(rp_paths_free) rp_paths files = {0};
+    RP_TRY(check_free(f->path, f->force));
+    RP_TRY(rp_paths_in(&files, f->part, is_result));
+    RP_TRY(write_marker(f->part, f->holds, &files));
+    return give_name(f);
+}
+
+rp_status rp_folder_begin(rp_arena *arena, const char *path, const char *holds, bool force, rp_folder *f)
+{
+    size_t n = strlen(path);
+    while (n > 1 && path[n - 1] == '/') n--;
+    *f = (rp_folder){.force = force};
+    RP_TRY(rp_path(arena, &f->path, "%.*s", (int)n, path));
+    RP_TRY(rp_path(arena, &f->part, "%s.part", f->path));
+    RP_TRY(rp_path(arena, &f->snapshot, "%s/%s", f->part, SNAPSHOT));
+    char *line = rp_text(arena, "%s", holds), *name = basename(f->path);
+    if (!line) return RP_NO_MEMORY;
+    for (char *c = line; (c = strchr(c, '\n'));) *c = ' ';
+    f->holds = line;
+    if (!*name || strcmp(name, ".") == 0 || strcmp(name, "..") == 0)
+        return rp_fail(RP_BAD_INPUT, "%s: give a folder by its name", path);
+    bool whole = false;
+    RP_TRY(check_free(f->path, force));
+    RP_TRY(rp_make_directory(f->part));
+    RP_TRY(lock_part(f));
+    RP_TRY(enter(f, &whole));
+    if (!whole) return RP_OK;
+    RP_TRY(give_name(f));
+    return rp_folder_begin(arena, path, holds, force, f); /* which is taken now */
 }
 
 bool rp_folder_is_empty(const rp_folder *f)
@@ -264,8 +291,7 @@ void rp_folder_end(rp_folder *f)
 {
     if (f->lock == 0) return;
     if (is_there(f) && rp_folder_is_empty(f)) (void)remove_folder(f->part);
-    close(f->lock);
-    f->lock = 0;
+    unlock(f);
 }
 
 rp_status rp_folder_own(const char *path, const char *what, bool force)
@@ -275,7 +301,7 @@ rp_status rp_folder_own(const char *path, const char *what, bool force)
     RP_TRY(rp_make_directory(path));
     RP_TRY(rp_paths_in(&files, path, is_any));
     RP_TRY(read_marker(path, &holds));
-    const bool same = is_of(holds, what), result = lists(holds, SNAPSHOT), gives_way = *holds && !result;
+    const bool same = is_of(holds, what), gives_way = *holds && !is_whole(holds);
     rp_status status = RP_OK;
     if (!same && files.n > 0 && !(gives_way && force))
         status = rp_fail(RP_BAD_INPUT, "%s: holds %.*s; give another folder%s", path,

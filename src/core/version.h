@@ -6,7 +6,7 @@
 
 RP_C_BEGIN
 
-#define RP_VERSION "0.2.0"
+#define RP_VERSION "0.3.0"
 
 /* Version of the physics: a result stored under another number is never reused. Raise it whenever the
  * bits of a run change; the golden digests in tests/test_golden.c fail otherwise. */
@@ -14,7 +14,7 @@ RP_C_BEGIN
 
 /* Hash of the sources (Makefile) whose bits are those golden digests. After any change of these sources
  * `build/check golden model` says whether the bits are the same, and prints this line anew. */
-#define RP_MODEL_SOURCES "0d8fe892c251da56"
+#define RP_MODEL_SOURCES "a9dc60cd19326276"
 
 extern const char rp_build_commit[], rp_build_compiler[], rp_build_sources[];
 

@@ -52,6 +52,7 @@ rp_status exp_key(const exp_plan *plan, XXH128_hash_t *key);
 typedef struct {
     XXH128_hash_t key;
     size_t output, n_outputs; /* of the plan's, from `output` on; 0 of one that is left out */
+    bool series;              /* with a table of its samples */
 } exp_measured;
 size_t exp_measure_count(const exp_plan *plan);
 rp_status exp_measure_at(const exp_plan *plan, size_t k, exp_measured *measured);

@@ -138,6 +138,6 @@ size_t exp_measure_count(const exp_plan *plan)
 rp_status exp_measure_at(const exp_plan *plan, size_t k, exp_measured *measured)
 {
     const exp_measure *m = &plan->measures[k];
-    *measured = (exp_measured){.output = m->output, .n_outputs = m->n_outputs};
+    *measured = (exp_measured){.output = m->output, .n_outputs = m->n_outputs, .series = m->series};
     return m->left_out ? RP_OK : measure_key(plan, m, &measured->key);
 }

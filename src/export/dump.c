@@ -28,10 +28,8 @@ static void write_head(const export_run *run, size_t frame, const char *of, size
             RP_SHORT(-run->largest), RP_SHORT(run->largest));
 }
 
-static rp_status write_grains(const export_run *run, const char *path)
+static void write_grains(const export_run *run, FILE *out)
 {
-    FILE *out;
-    RP_TRY(rp_file_open(path, run->replace, &out));
     for (size_t k = 0; k < run->grains.n; k++) {
         const size_t first = run->grains.first[k], end = run->grains.first[k + 1];
         write_head(run, k, "ATOMS", end - first, out);
@@ -44,15 +42,12 @@ static rp_status write_grains(const export_run *run, const char *path)
             write_values(run, i, out);
         }
     }
-    return rp_file_close(path, out, RP_OK);
 }
 
-static rp_status write_contacts(const export_run *run, const char *path)
+static void write_contacts(const export_run *run, FILE *out)
 {
     const export_frames *f = &run->contacts;
     const rp_table *t = f->table;
-    FILE *out;
-    RP_TRY(rp_file_open(path, run->replace, &out));
     for (size_t k = 0; k < run->grains.n; k++) {
         size_t first;
         const size_t n = export_rows_at(f, export_frame_step(run, k), &first);
@@ -66,13 +61,20 @@ static rp_status write_contacts(const export_run *run, const char *path)
                 if ((int)c != f->step && (int)c != f->t)
                     fprintf(out, "%s%s", written++ ? " " : "", export_cell(t, i, (int)c));
     }
-    return rp_file_close(path, out, RP_OK);
 }
 
 rp_status export_dump(const export_run *run, const char *path)
 {
-    rp_status status = write_grains(run, path);
-    if (status || strcmp(path, "-") == 0 || !run->contacts.table) return status;
-    const char *stem = export_stem(run->arena, path);
-    return write_contacts(run, rp_text(run->arena, "%s.contacts%s", stem, path + strlen(stem)));
+    const char *stem = export_stem(run->arena, path),
+               *beside = rp_text(run->arena, "%s.contacts%s", stem, path + strlen(stem));
+    const bool both = run->contacts.table && strcmp(path, "-") != 0;
+    FILE *out, *contacts;
+    RP_TRY(rp_file_open(path, run->replace, &out));
+    rp_status status = both ? rp_file_open(beside, run->replace, &contacts) : RP_OK;
+    if (!status) write_grains(run, out);
+    if (!status && both) {
+        write_contacts(run, contacts);
+        status = rp_file_close(beside, contacts, RP_OK);
+    }
+    return rp_file_close(path, out, status);
 }

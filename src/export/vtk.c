@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "core/file.h"
+#include "core/folder.h"
 #include "export/export.h"
 
 /* One piece of PolyData in the making: points, then cells of `size` points each, one of each row that is
@@ -148,7 +149,7 @@ static rp_status write_lines(const export_run *run, piece *p, const lines *l, FI
 }
 
 /* Write the parts of one frame, and name them in the collection. */
-static rp_status write_frame(const export_run *run, size_t k, const char *folder, FILE *collection)
+static rp_status write_frame(const export_run *run, size_t k, const rp_folder *folder, FILE *collection)
 {
     const struct {
         const char *name;
@@ -163,16 +164,29 @@ static rp_status write_frame(const export_run *run, size_t k, const char *folder
         if (!f->table) continue;
         if (parts[i].lines) n = export_rows_at(f, export_frame_step(run, k), &first);
         piece p = {f, first, first + n, parts[i].lines ? 2 : 1, NULL};
-        const char *path = rp_text(run->arena, "%s/%s_%06zu.vtp", folder, parts[i].name, k);
+        const char *path = rp_text(run->arena, "%s/%s_%06zu.vtp", folder->part, parts[i].name, k);
         FILE *out;
-        RP_TRY(rp_file_open(path, run->replace, &out));
+        RP_TRY(rp_file_open(path, true, &out));
         RP_TRY(rp_file_close(path, out,
                              parts[i].lines ? write_lines(run, &p, parts[i].lines, out)
                                             : write_grains(run, &p, out)));
         fprintf(collection, "<DataSet timestep=\"%s\" part=\"%zu\" name=\"%s\" file=\"%s/%s_%06zu.vtp\"/>\n",
-                RP_SHORT(export_frame_time(run, k)), i, parts[i].name, basename(folder), parts[i].name, k);
+                RP_SHORT(export_frame_time(run, k)), i, parts[i].name, basename(folder->path), parts[i].name,
+                k);
     }
     return RP_OK;
+}
+
+/* The folder, by a name that its collection may have. */
+static rp_status write_frames(const export_run *run, const char *path, FILE *collection)
+{
+    RP_ENDS(rp_folder_end) rp_folder folder = {0};
+    char *name = rp_text(run->arena, "%s_frames", export_stem(run->arena, path));
+    export_word(basename(name)); /* of an attribute in XML */
+    RP_TRY(
+        rp_folder_begin(run->arena, name, rp_text(run->arena, "frames of %s", path), run->replace, &folder));
+    for (size_t k = 0; k < run->grains.n; k++) RP_TRY(write_frame(run, k, &folder, collection));
+    return rp_folder_publish(&folder);
 }
 
 rp_status export_vtk(const export_run *run, const char *path)
@@ -180,12 +194,9 @@ rp_status export_vtk(const export_run *run, const char *path)
     FILE *out;
     if (strlen(path) < 5 || !rp_ends_in(path, ".pvd"))
         return rp_fail(RP_USAGE, "-o %s: vtk needs a name that ends in .pvd", path);
-    char *folder = rp_text(run->arena, "%s_frames", export_stem(run->arena, path));
-    export_word(basename(folder)); /* of an attribute in XML */
     RP_TRY(rp_file_open(path, run->replace, &out));
-    rp_status status = rp_make_directory(folder);
     fputs("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n", out);
-    for (size_t k = 0; k < run->grains.n && !status; k++) status = write_frame(run, k, folder, out);
+    const rp_status status = write_frames(run, path, out);
     fputs("</Collection>\n</VTKFile>\n", out);
     return rp_file_close(path, out, status);
 }

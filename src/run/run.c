@@ -16,6 +16,23 @@
  * once, some tenths of a second, after which a signal and progress are seen. */
 static const double LOOK = 2e3, MOST = 1e7;
 
+rp_status run_key(const exp_plan *plan, unsigned long seed, unsigned long stream, char digits[33])
+{
+    XXH128_hash_t sum;
+    exp_measured m;
+    RP_TRY(exp_key(plan, &sum));
+    for (size_t k = 0; k < exp_measure_count(plan); k++) {
+        RP_TRY(exp_measure_at(plan, k, &m));
+        /* a snapshot has the samples by place, and a series of those that its table has */
+        const unsigned long series = m.series;
+        const XXH128_hash_t parts[] = {sum, m.key, XXH3_128bits(&series, sizeof series)};
+        if (m.n_outputs > 0) sum = XXH3_128bits(parts, sizeof parts);
+    }
+    const XXH128_hash_t all[] = {sum, XXH3_128bits((unsigned long[]){seed, stream}, 2 * sizeof seed)};
+    rp_hash_digits(XXH3_128bits(all, sizeof all), digits);
+    return RP_OK;
+}
+
 rp_status run_start(exp_plan *plan, unsigned long seed, unsigned long stream, run_driver *d)
 {
     *d = (run_driver){.plan = plan, .seed = seed, .stream = stream, .threads = 1};
@@ -31,11 +48,12 @@ void run_free(run_driver *d)
 
 /* ---- snapshots ---- */
 
-/* Another commit may keep other variables. */
+/* Another commit may keep other variables, and another build of changed sources has other laws. */
 static uint64_t layout(void)
 {
-    return XXH3_64bits_withSeed(rp_build_commit, strlen(rp_build_commit),
-                                dem_keep_layout() ^ exp_keep_layout() << 20);
+    const uint64_t kept = dem_keep_layout() ^ exp_keep_layout() << 20;
+    const uint64_t sources = XXH3_64bits_withSeed(rp_build_sources, strlen(rp_build_sources), kept);
+    return XXH3_64bits_withSeed(rp_build_commit, strlen(rp_build_commit), sources);
 }
 
 static void keep_all(run_driver *d, rp_snapshot *s)
@@ -54,15 +72,6 @@ static rp_status read_back(run_driver *d)
     return rp_snapshot_end(&s);
 }
 
-static rp_status resume(run_driver *d)
-{
-    const rp_status status = read_back(d);
-    char why[1024];
-    if (!status || !d->to.folder) return status;
-    snprintf(why, sizeof why, "%s", rp_message());
-    return rp_fail(status, "%s; remove %s to begin anew", why, d->to.folder);
-}
-
 rp_status run_open(run_driver *d, const run_sinks *to, bool *resumed)
 {
     *resumed = false;
@@ -70,7 +79,9 @@ rp_status run_open(run_driver *d, const run_sinks *to, bool *resumed)
     d->to = *to;
     d->next = rp_cpu_clock() + to->interval;
     *resumed = to->snapshot && access(to->snapshot, F_OK) == 0;
-    RP_TRY(*resumed ? resume(d) : run_open_tables(d, false));
+    rp_status status = *resumed ? read_back(d) : run_open_tables(d, false);
+    if (*resumed && to->folder) status = rp_prefix(status, "remove %s to begin anew: ", to->folder);
+    RP_TRY(status);
     return run_begin_tables(d, *resumed);
 }
 

@@ -7,6 +7,7 @@
 #include "core/arena.h"
 #include "experiment/experiment.h"
 
+enum { RUN_SNAPSHOT = 60 }; /* processor time between two snapshots, s */
 enum { RUN_STATES, RUN_ENERGY, RUN_CONTACTS, RUN_WALLS, RUN_TABLES };
 
 /* What a run leaves and whom it tells; zero: nothing, nobody. */
@@ -48,6 +49,10 @@ typedef struct {
     rp_arena memory;
     double next, work; /* processor time of the next snapshot; grains times steps since the clock was read */
 } run_driver;
+
+/* The key of a run with these streams, and of what it measures, but for the model. Errors: those of exp_key.
+ */
+rp_status run_key(const exp_plan *plan, unsigned long seed, unsigned long stream, char digits[33]);
 
 /* Start a run with these streams, without sinks. run_free follows, also after an error. Errors: those of
  * exp_start. */

@@ -1,5 +1,4 @@
 /* Designs, fits and their inverse; see identify.h. */
-#include "core/elementary.h"
 #include "stats/identify.h"
 
 #include <gsl/gsl_cdf.h>
@@ -305,29 +304,26 @@ static void diagonalize(size_t p, double M[], double V[])
 }
 
 /* Standard errors and correlations of the names. */
-static rp_status take_errors(const search *s, stats_answer *a)
+static void take_errors(const search *s, stats_answer *a)
 {
     const size_t p = s->q->n_names;
     double scaled[STATS_NAMES * STATS_NAMES], inverse[STATS_NAMES][STATS_NAMES] = {{0}},
-                                              axis[STATS_NAMES * STATS_NAMES], power[STATS_NAMES] = {0},
-                                              range[STATS_NAMES] = {1.0, 1.0, 1.0};
+                                              axis[STATS_NAMES * STATS_NAMES], range[STATS_NAMES];
     information(s, a->x, scaled);
     for (size_t i = 0; i < p; i++) range[i] = s->q->hi[i] - s->q->lo[i];
     for (size_t i = 0; i < p; i++)
         for (size_t j = 0; j < p; j++) scaled[i * p + j] *= range[i] * range[j];
     diagonalize(p, scaled, axis);
-    for (size_t k = 0; k < p; k++) power[k] = scaled[k * p + k];
     for (size_t k = 0; k < p; k++)
         for (size_t i = 0; i < p; i++)
             for (size_t j = 0; j < p; j++)
                 inverse[i][j] +=
-                    axis[i * p + k] * axis[j * p + k] * range[i] * range[j] / fmax(power[k], 1e-12);
+                    axis[i * p + k] * axis[j * p + k] * range[i] * range[j] / fmax(scaled[k * p + k], 1e-12);
     for (size_t i = 0; i < p; i++) {
         a->se[i] = sqrt(inverse[i][i]);
         for (size_t j = 0; j < p; j++)
             a->correlation[i][j] = inverse[i][j] / sqrt(inverse[i][i] * inverse[j][j]);
     }
-    return RP_OK;
 }
 
 /* Variance of the combination at x with one name held. */
@@ -357,13 +353,12 @@ static bool is_at_edge(const search *s, const stats_answer *a)
 /* The combination that is determined best: across the places that agree, the names in units of their ranges.
  * Its error reaches to the farthest of what agrees there, which slopes at the best place don't tell where
  * that bends. */
-static rp_status take_sum(const search *s, double limit, stats_answer *a)
+static void take_sum(const search *s, double limit, stats_answer *a)
 {
     const size_t p = s->q->n_names;
     double scatter[STATS_NAMES * STATS_NAMES] = {0}, I[STATS_NAMES * STATS_NAMES],
-                                 axis[STATS_NAMES * STATS_NAMES], power[STATS_NAMES] = {0},
-                                 range[STATS_NAMES], largest = 0.0, error = 0.0, farthest = 0.0, wIw = 0.0,
-                                 ww = 0.0;
+                                 axis[STATS_NAMES * STATS_NAMES], range[STATS_NAMES], largest = 0.0,
+                                 error = 0.0, farthest = 0.0, wIw = 0.0, ww = 0.0;
     size_t least = 0, first = 0;
     for (size_t i = 0; i < p; i++) range[i] = s->q->hi[i] - s->q->lo[i];
     for (size_t n = 0; n < s->n_agreeing; n++)
@@ -372,8 +367,7 @@ static rp_status take_sum(const search *s, double limit, stats_answer *a)
                 scatter[i * p + j] +=
                     (s->agreeing[n].x[i] - a->x[i]) / range[i] * (s->agreeing[n].x[j] - a->x[j]) / range[j];
     diagonalize(p, scatter, axis);
-    for (size_t k = 0; k < p; k++) power[k] = scatter[k * p + k];
-    for (size_t k = 0; k < p; k++) least = power[k] < power[least] ? k : least;
+    for (size_t k = 0; k < p; k++) least = scatter[k * p + k] < scatter[least * p + least] ? k : least;
     for (size_t i = 0; i < p; i++) largest = fmax(largest, fabs(axis[i * p + least]));
     while (first + 1 < p && fabs(axis[first * p + least]) < 0.05 * largest) first++;
     const double unit = axis[first * p + least] / range[first];
@@ -397,7 +391,6 @@ static rp_status take_sum(const search *s, double limit, stats_answer *a)
     for (size_t i = 0; i < p; i++) ww += gsl_pow_2(a->weight[i] * range[i]);
     a->sum_error = error / sqrt(limit);
     a->determined = a->sum_error < BENT * ww / sqrt(wIw) && (farthest < 0.5 * error || !is_at_edge(s, a));
-    return RP_OK;
 }
 
 static rp_status fit_all(search *s)
@@ -411,7 +404,7 @@ static rp_status invert(search *s, bool intervals, stats_answer *a)
 {
     const double limit = gsl_cdf_chisq_Pinv(0.95, 1.0);
     RP_TRY(least(s, SIZE_MAX, 0.0, NULL, a->x, &a->chi2));
-    RP_TRY(take_errors(s, a));
+    take_errors(s, a);
     double widest = 0.0;
     for (size_t p = s->n_agreeing = 0; p < s->q->n_names && intervals; p++) {
         stats_interval *const of = a->interval[p];
@@ -426,7 +419,8 @@ static rp_status invert(search *s, bool intervals, stats_answer *a)
         for (size_t k = 0; k < a->n_intervals[p]; k++)
             if (of[k].lower <= a->x[p] && of[k].upper >= a->x[p]) a->own[p] = of[k];
     }
-    return intervals ? take_sum(s, limit, a) : RP_OK;
+    if (intervals) take_sum(s, limit, a);
+    return RP_OK;
 }
 
 /* ---- stages ---- */

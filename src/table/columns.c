@@ -83,14 +83,20 @@ rp_status rp_columns(rp_arena *arena, const rp_table *table, const char *names, 
     return strcmp(names, "all") == 0 ? RP_OK : column_list(table, names, strlen(names), n, *columns);
 }
 
+static bool is_among(const char *names, const char *name)
+{
+    const size_t n = strlen(name);
+    for (const char *at = names; (at = strstr(at, ", ")); at++)
+        if (strncmp(at + 2, name, n) == 0 && strchr(", ", at[2 + n])) return true;
+    return false;
+}
+
 void rp_columns_beside(const rp_table *table, const char *names, char text[256])
 {
-    char word[72];
     *text = '\0';
     for (size_t c = 0, used = 0; c < table->n_columns && table->names[c] && used < 256; c++) {
-        snprintf(word, sizeof word, ",%.60s,", table->names[c]);
-        if (*table->names[c] && !strstr(names, word))
-            used += (size_t)snprintf(text + used, 256 - used, " %s", table->names[c]);
+        const char *name = table->names[c];
+        if (*name && !is_among(names, name)) used += (size_t)snprintf(text + used, 256 - used, " %s", name);
     }
 }
 

@@ -19,7 +19,7 @@ rp_status rp_one_column(const char *option, const char *name);
 /* The columns of the list `names`, or all of them for "all", as a new array. Errors: RP_BAD_INPUT. */
 rp_status rp_columns(rp_arena *arena, const rp_table *table, const char *names, size_t *n, int **columns);
 
-/* Names of the columns that are none of `names`, ",a,b,", each after a blank. */
+/* Names of the columns that are none of `names`, ", a, b [unit]", each after a blank. */
 void rp_columns_beside(const rp_table *table, const char *names, char text[256]);
 
 /* Refuse rows of several steps: a table of states may hold a pile at several times. Errors: RP_BAD_INPUT. */

@@ -10,7 +10,6 @@
 #include "experiment/experiment.h"
 #include "params/config.h"
 #include "params/units.h"
-#include "run/run.h"
 #include "table/columns.h"
 
 /* A let's value among the parameters; the first 8 bytes of those are the experiment. */
@@ -90,60 +89,57 @@ static bool hash(const void *params, XXH128_hash_t *digest)
     return status == RP_OK;
 }
 
-/* A run of these values. */
-typedef struct {
-    exp_plan *plan;
-    run_driver driver;
-} row;
-
-static void end_row(row *r)
+static void end_run(run_driver *d)
 {
-    run_free(&r->driver);
-    exp_free(r->plan);
+    run_free(d);
+    exp_free(d->plan);
 }
 
-/* Start it, or resume it: from a snapshot that is refused anew, if the caller hears of that. */
-static rp_status start(row *r, unsigned long seed, unsigned long stream, const sweep_tables *t)
+/* Start it, or resume it: from a snapshot that is refused anew, of which the caller hears. */
+static rp_status start(run_driver *d, unsigned long seed, unsigned long stream, const sweep_tables *t)
 {
-    const run_sinks to = {.folder = t->directory,
-                          .stages = t->directory != NULL,
-                          .every = {[RUN_ENERGY] = t->every},
-                          .header = t->header,
-                          .of = t->context,
-                          .snapshot = t->snapshot,
-                          .owner = t->owner,
-                          .interval = t->interval,
-                          .stop = t->stop};
+    const run_sinks to = {
+        .snapshot = t->snapshot, .owner = t->owner, .interval = t->interval, .stop = t->stop};
     bool resumed;
-    RP_TRY(run_start(r->plan, seed, stream, &r->driver));
-    const rp_status status = run_open(&r->driver, &to, &resumed);
-    if (status != RP_BAD_INPUT || !t->why) return status;
+    RP_TRY(run_start(d->plan, seed, stream, d));
+    const rp_status status = run_open(d, &to, &resumed);
+    if (status != RP_BAD_INPUT) return status;
     snprintf(t->why, t->size, "%s", rp_message());
     run_forget(t->snapshot);
-    run_free(&r->driver);
-    RP_TRY(run_start(r->plan, seed, stream, &r->driver));
-    return run_open(&r->driver, &to, &resumed);
+    run_free(d);
+    RP_TRY(run_start(d->plan, seed, stream, d));
+    return run_open(d, &to, &resumed);
 }
 
 static rp_status run_one(const void *params, unsigned long seed, unsigned long stream,
                          const sweep_tables *tables, sweep_result *result)
 {
     static const sweep_tables none = {0};
-    RP_ENDS(end_row) row r = {0};
-    size_t n = 0;
+    RP_ENDS(end_run) run_driver d = {0};
     sweep_result_clear(result);
-    RP_TRY(plan_of(params, &r.plan));
-    if (tables && tables->directory && tables->ledger) exp_with_ledger(r.plan);
-    RP_TRY(start(&r, seed, stream, tables ? tables : &none));
-    RP_TRY(run_finish(&r.driver));
-    RP_TRY(run_sync(&r.driver));
-    const exp_end *end = exp_ended(r.driver.run);
-    exp_outputs(r.plan, &n);
-    memcpy(result->values, exp_values(r.driver.run), n * sizeof *result->values);
+    RP_TRY(plan_of(params, &d.plan));
+    RP_TRY(start(&d, seed, stream, tables ? tables : &none));
+    RP_TRY(run_finish(&d));
+    sweep_result_of(&d, result);
+    return RP_OK;
+}
+
+rp_status sweep_protocol_plan(const sweep_protocol *p, const void *params, exp_plan **plan)
+{
+    *plan = NULL;
+    return p->context ? plan_of(params, plan) : RP_OK;
+}
+
+void sweep_result_of(const run_driver *d, sweep_result *result)
+{
+    size_t n;
+    const exp_end *end = exp_ended(d->run);
+    sweep_result_clear(result);
+    exp_outputs(d->plan, &n);
+    memcpy(result->values, exp_values(d->run), n * sizeof *result->values);
     snprintf(result->status, sizeof result->status, "%s", end->status);
     snprintf(result->message, sizeof result->message, "%s", end->message);
     result->of_measures = end->of_measure;
-    return RP_OK;
 }
 
 /* ---- the text's parameters and outputs ---- */

@@ -38,19 +38,17 @@ typedef struct {
     double values[SWEEP_MAX_OUTPUTS];
 } sweep_result;
 
-/* Where a traced run leaves tables of its states, and the snapshot from which another process resumes it. */
+/* Where a run that is no text leaves tables; and of a text the snapshot from which another process resumes
+ * it.
+ */
 typedef struct {
-    const char *directory; /* NULL: no tables */
-    long every;            /* steps from one row of energies to the next; 0: none */
-    /* Writes the first lines of each table. */
-    void (*header)(const void *context, rp_units units, FILE *out);
+    const char *directory;                                          /* NULL: no tables */
+    void (*header)(const void *context, rp_units units, FILE *out); /* writes the first lines of each */
     const void *context;
-    bool ledger; /* the energies with the ledger */
-    /* as of run_sinks; protocols without snapshots ignore them */
-    const char *snapshot, *owner;
+    const char *snapshot, *owner; /* as of run_sinks */
     double interval;
     const volatile bool *stop;
-    char *why; /* NULL, or gets why a snapshot was refused: the run then starts anew */
+    char *why; /* gets why a snapshot was refused: the run then starts anew */
     size_t size;
 } sweep_tables;
 

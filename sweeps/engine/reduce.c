@@ -234,12 +234,20 @@ rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, 
     return rp_file_finish(out, "table");
 }
 
-rp_status sweep_columns(const char *file, const sweep_protocol *const *protocols, unsigned what, FILE *out)
+rp_status sweep_columns(rp_arena *arena, const char *file, const sweep_protocol *const *protocols,
+                        unsigned what, rp_table **columns)
 {
     RP_ENDS(sweep_plan_free) sweep_plan plan;
+    char *text;
+    size_t size;
     RP_TRY(sweep_plan_read(file, protocols, &plan));
-    return write_columns(
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return rp_fail(RP_NO_MEMORY, "%s: out of memory", file);
+    const rp_status status = write_columns(
         &(table){.plan = &plan, .out = out, .what = what, .n_outputs = sweep_count_outputs(plan.protocol)});
+    fclose(out);
+    if (status) return free(text), status;
+    return rp_table_keep(arena, what & SWEEP_POINTS ? "points" : "runs", text, columns);
 }
 
 rp_status sweep_has(const char *file, const sweep_protocol *const *protocols, const char *name, bool *has)

@@ -3,7 +3,6 @@
 #include "sweeps/engine/private.h"
 
 #include <errno.h>
-#include <inttypes.h>
 #include <fcntl.h>
 #include <float.h>
 #include <math.h>
@@ -289,38 +288,24 @@ rp_status sweep_merge(const char *dir, const sweep_protocol *const *protocols, s
     return RP_OK;
 }
 
-/* Whose a snapshot is: of this run with these tables. */
-static void trace_owner(const sweep_plan *plan, size_t row, const sweep_tables *tables, char owner[33])
-{
-    char text[128], key[33];
-    sweep_plan_key(plan, row, key);
-    snprintf(text, sizeof text, "%s of %016" PRIx64 " every %ld ledger %d", key,
-             sweep_outputs_hash(plan->protocol->outputs), tables->every, tables->ledger);
-    rp_hash_digits(XXH3_128bits(text, strlen(text)), owner);
-}
-
 static void free_plan(void *plan)
 {
     sweep_plan_free(plan);
 }
 
-rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row,
-                      const sweep_tables *tables, rp_arena *arena, const sweep_protocol **protocol,
-                      sweep_result *result)
+rp_status sweep_read_again(const char *file, const sweep_protocol *const *protocols, size_t row,
+                           rp_arena *arena, sweep_again *again)
 {
-    static const sweep_tables none = {0};
     sweep_plan *plan;
-    char owner[33];
-    sweep_tables own = tables ? *tables : none;
     RP_NEW(arena, plan, 1);
     rp_arena_keep(arena, plan, free_plan);
     RP_TRY(sweep_plan_read(file, protocols, plan));
-    *protocol = plan->protocol;
     if (row >= plan->n_runs)
         return rp_fail(RP_BAD_INPUT, "row = %zu: out of range, allowed: [0, %zu], the runs of %s", row,
                        plan->n_runs - 1, file);
     RP_TRY(sweep_plan_check_point(plan, file, row / plan->replicas));
-    trace_owner(plan, row, &own, owner);
-    own.owner = owner;
-    return sweep_plan_run(plan, row, &own, result);
+    const sweep_stream stream = sweep_plan_stream(plan, row);
+    *again =
+        (sweep_again){plan->protocol, sweep_plan_point(plan, row / plan->replicas), stream.seed, stream.run};
+    return RP_OK;
 }

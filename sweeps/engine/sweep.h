@@ -111,13 +111,14 @@ rp_status sweep_source(const char *dir, char file[256]);
  * standard deviation, standard error, 95 % interval (Student's t) and number of the finite values of each
  * output, over the rows with a result. With SWEEP_PARAMETERS the parameters that all runs share are columns
  * too, "-" for an empty one. `command` is for the header and may be NULL; so may `counts`, of the rows that
- * the table is made of. sweep_columns: the header alone, before any run, of a sweep's file. sweep_has: may
- * its `fixed` and `grid` name this parameter?
+ * the table is made of. sweep_columns: its columns, before any run, of a sweep's file. sweep_has: may its
+ * `fixed` and `grid` name this parameter?
  * Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
 enum { SWEEP_RUNS = 0, SWEEP_POINTS = 1, SWEEP_PARAMETERS = 2 };
 rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, unsigned what,
                        const char *command, sweep_counts *counts, FILE *out);
-rp_status sweep_columns(const char *file, const sweep_protocol *const *protocols, unsigned what, FILE *out);
+rp_status sweep_columns(rp_arena *arena, const char *file, const sweep_protocol *const *protocols,
+                        unsigned what, rp_table **table);
 rp_status sweep_has(const char *file, const sweep_protocol *const *protocols, const char *name, bool *has);
 
 /* XXH3-128 over parameters, streams, status and bits of the outputs of all rows in the order of the plan, as
@@ -127,13 +128,15 @@ rp_status sweep_has(const char *file, const sweep_protocol *const *protocols, co
 rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, char digest[33],
                        size_t *n_rows);
 
-/* Make run number `row` of a sweep `file` again, in this process, and leave its tables. Sets *protocol,
- * which lives in the arena, and *result. tables may be NULL. With tables->keep, whose path, interval and stop
- * are set, the run resumes from there. Errors: RP_BAD_INPUT (the file, a row it does not have, the snapshot
- * of another run), RP_STOPPED, RP_IO, the protocol's. */
-rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row,
-                      const sweep_tables *tables, rp_arena *arena, const sweep_protocol **protocol,
-                      sweep_result *result);
+/* Run number `row` of a sweep `file`, to be made again; it lives in the arena. Errors: RP_BAD_INPUT (the
+ * file, a row it does not have). */
+typedef struct {
+    const sweep_protocol *protocol;
+    const void *params;
+    unsigned long seed, stream;
+} sweep_again;
+rp_status sweep_read_again(const char *file, const sweep_protocol *const *protocols, size_t row,
+                           rp_arena *arena, sweep_again *again);
 
 RP_C_END
 

@@ -1,9 +1,10 @@
 #!/bin/sh
-# What a change costs: each patch of this folder is a small change of one kind, as its first line says. It applies, builds, and
-# passes lint and the suites of its second line. With any of its files left out, the build, lint or one of these suites fails:
-# nobody can forget that file.
+# What a change costs: each patch of this folder is a small change of one kind, as its first line says. Together they apply,
+# build, and pass lint and the suites of their second lines. With any file of one left out, the build, lint or one of its suites
+# fails: nobody can forget that file.
 #
-#   sh tests/changes/changes.sh BUILD [NAME...]    prints a row a change, and fails where one does not hold; BUILD is made
+#   sh tests/changes/changes.sh BUILD [NAME...]    prints a row for all together and for each file, and fails where one does not
+#                                                  hold; BUILD is made
 #   sh tests/changes/changes.sh --table            the files and lines of each, as CONTRIBUTING.md has them
 set -u
 here=tests/changes
@@ -31,7 +32,7 @@ work=$build/changes
 rm -rf "$work"
 mkdir -p "$work/base/build"
 find . -mindepth 1 -maxdepth 1 ! -name .git ! -path "./${build%%/*}" -exec cp -a {} "$work/base" \;
-for made in obj commit figures.mk mutants.list repose report check core; do cp -a "$build/$made" "$work/base/build"; done
+for made in obj commit sources figures.mk mutants.list repose report check core; do cp -a "$build/$made" "$work/base/build"; done
 cp -a "$build"/lib*.a "$work/base/build"
 rm -r "$work/base/$here"
 
@@ -42,44 +43,49 @@ apply() {
     (cd "$tree" && GIT_CEILING_DIRECTORIES=$(dirname "$PWD") git apply "$@" "$patch")
 }
 
-# What sees that something is wrong with a tree: the build, lint, a suite, or nothing. Whether the code is formatted and all
-# else that lint looks at is asked of the whole change alone.
-seen_in() {
-    tree=$1 lint=$2
-    shift 2
-    make -s -C "$tree" -j"$(nproc)" build/check build/repose build/report CFLAGS="$quick" >"$tree/build.log" 2>&1 || { echo build && return; }
-    (cd "$tree" && $lint >lint.log 2>&1) || { echo lint && return; }
+builds() { make -s -C "$1" -j"$(nproc)" build/check build/repose build/report CFLAGS="$quick" >"$1/build.log" 2>&1; }
+
+# The first of these suites that fails in a tree, or nothing.
+failing_in() {
+    tree=$1
+    shift
     for suite; do
         (cd "$tree" && REPOSE=build/repose build/check -j"$(nproc)" --stop "$suite" >"$suite.log" 2>&1) || { echo "$suite" && return; }
     done
-    echo nothing
 }
 
+# What sees that a file is left out: the build; the rooms, of all that lint looks at; a suite; or nothing.
+seen_in() {
+    builds "$1" || { echo build && return; }
+    (cd "$1" && python3 -B tests/rooms.py build >lint.log 2>&1) || { echo lint && return; }
+    failing_in "$@"
+}
+
+whole=$work/whole less=$work/less
+cp -a "$work/base" "$whole"
+for name in ${*:-$(names)}; do apply "$name" "$whole" || exit; done
+builds "$whole" || { cat "$whole/build.log" && exit 1; }
+make -s -C "$whole" lint >"$whole/lint.log" 2>&1 || { cat "$whole/lint.log" && bad=1; }
+failing=$(failing_in "$whole" $(for name in ${*:-$(names)}; do head_of "$name" suites; done | tr ' ' '\n' | sort -u))
+[ -z "$failing" ] || { cat "$whole/$failing.log" && bad=1; }
+printf 'all changes\t%s\n' "${failing:+FAILS: }${failing:-passes}"
+
 for name in ${*:-$(names)}; do
-    suites=$(head_of "$name" suites)
-    from=$(date +%s)
-    rm -rf "$work/whole" "$work/less"
-    cp -a "$work/base" "$work/whole"
-    apply "$name" "$work/whole" || { bad=1 && continue; }
-    seen=$(seen_in "$work/whole" "make -s lint" $suites)
-    [ "$seen" = nothing ] || bad=1
-    printf '%s\t%s\n' "$name" "$([ "$seen" = nothing ] && echo passes || echo "FAILS: $seen")"
     [ "$(files_of "$name" | wc -l)" -gt 1 ] || continue
     for file in $(files_of "$name"); do
-        rm -rf "$work/less"
+        rm -rf "$less"
         case $file in # made of the tree in which fewer objects are stale
         *.h)
-            cp -a "$work/base" "$work/less"
-            apply "$name" "$work/less" --exclude="$file" ;;
+            cp -a "$work/base" "$less"
+            apply "$name" "$less" --exclude="$file" ;;
         *)
-            cp -a "$work/whole" "$work/less"
-            rm "$work/less/build/"lib*.a # of files that may be gone
-            apply "$name" "$work/less" -R --include="$file" ;;
+            cp -a "$whole" "$less"
+            rm "$less/build/"lib*.a # which may have what is gone
+            apply "$name" "$less" -R --include="$file" ;;
         esac
-        seen=$(seen_in "$work/less" "python3 -B tests/rooms.py build" $suites)
-        [ "$seen" != nothing ] || { bad=1 && seen="NOTHING SEES IT"; }
-        printf '%s\twithout %s\t%s\n' "$name" "$file" "$seen"
+        seen=$(seen_in "$less" $(head_of "$name" suites))
+        printf '%s\twithout %s\t%s\n' "$name" "$file" "${seen:-NOTHING SEES IT}"
+        [ "$seen" ] || bad=1
     done
-    printf '%s\ttook %d s\n' "$name" "$(($(date +%s) - from))"
 done
 exit $bad

@@ -53,7 +53,7 @@ suites_of() {
     src/dem/scene/output.c) echo core tables scene keys evidence sweep cli dem ;;
     src/dem/scene/*) echo walls scene material fills tables keys notes cli ;;
     src/dem/setup/physics.c | src/dem/setup/check.c) echo scene dem laws walls keys units hard motion soft tables sweep ;;
-    src/cli/result.c | src/core/folder.c) echo run cli folders power ;;
+    src/core/folder.c) echo run cli folders power ;;
     src/core/* | src/params/* | src/table/table.c) echo core tables scene keys evidence sweep cli ;;
     src/table/columns.c | src/table/where.c) echo core columns calibrate_text tables evidence options cli ;;
     src/cli/commands/export.c | src/export/*) echo export view help options ;;
@@ -64,7 +64,7 @@ suites_of() {
     src/cli/closing.c | src/cli/progress.c) echo view run ;;
     src/cli/options.c | src/cli/command.c) echo help notes evidence options tables columns claims cli ;;
     src/cli/commands/sweep.c) echo cli folders sweep notes tables ;;
-    src/cli/commands/calibrate.c) echo calibrate_text options ;;
+    src/cli/commands/calibrate.c | sweeps/engine/calibrate.c) echo calibrate_text options ;;
     src/cli/commands/run.c) echo view tables options run cli folders ;;
     src/cli/commands/pile.c) echo notes equilibrium tables options cli ;;
     report/*) echo evidence claims options cli ;;

@@ -4,7 +4,7 @@
 
 #include "cli/derive/derive.h"
 #include "cli/progress.h"
-#include "core/folder.h"
+#include "run/run.h"
 #include "params/config.h"
 #include "params/settings.h"
 
@@ -96,7 +96,8 @@ static rp_status check_columns(const making *m, const step *s, const rp_param *s
     int *columns;
     const bool points = strcmp(s->rows, "points") == 0;
     if (!points && strcmp(s->rows, "runs") != 0) return RP_OK;
-    rp_status status = cli_sweep_table(&s->call, m->file, points ? SWEEP_POINTS : SWEEP_RUNS, &table, NULL);
+    rp_status status =
+        sweep_columns(s->call.arena, m->file, sweep_protocols, points ? SWEEP_POINTS : SWEEP_RUNS, &table);
     for (size_t i = 0; i < N_OF(names) && !status; i++) {
         const rp_param *p = rp_params_find(schema, names[i]);
         if (!p || p->type != RP_TEXT) continue;
@@ -267,7 +268,7 @@ static rp_status make_runs(const making *m)
     const make_options *o = m->o;
     sweep_counts counts;
     const sweep_options options = {
-        .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = CLI_SNAPSHOT};
+        .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = RUN_SNAPSHOT};
     const rp_status status = cli_sweep_run(o->o, options, o->quiet, &counts);
     if (!status || status == RP_NO_RESULT) { /* "lh3: 80 runs: 78 ok, 2 not_at_rest" */
         FILE *const out = m->call->out;

@@ -93,7 +93,6 @@ static rp_status solve(const cli_call *call, const options *o, sweep_outline *h)
     const bool watched = isatty(STDERR_FILENO);
     RP_ENDS(rp_folder_end) rp_folder f = {0};
     if (*o->own.o) RP_TRY(rp_folder_begin(call->arena, o->own.o, call->line, o->own.force, &f));
-    if (f.part) RP_TRY(rp_folder_clear(&f));
     rp_status status = sweep_pile_solve(&o->pile, h, watched ? draw : NULL, &start, &s, &results);
     if (watched) fputs("\r\033[K", stderr);
     if (!status && s.r.negative_modes) /* no failure: the primary state is what was asked for */

@@ -26,14 +26,14 @@ bool dem_contact_relative(const dem_sim *sim, size_t k, bool by_id, dem_relative
 /* The same of a wall slot, whose side is brought up to date. */
 bool dem_slot_relative(const dem_sim *sim, dem_wall_slot *slot, dem_relative *r);
 
-/* Forces by the laws, without a well, after the springs have advanced by h; c.shear_spring and
- * c.rolling_spring are then theirs. The other members are 0. */
 /* k_n of a contact, by its radii. */
 static inline double dem_k_n_of(const dem_sim *sim, const dem_relative *r)
 {
     return dem_normal_descriptors[sim->def.normal].scale(r->c->k_n, r->r_eff);
 }
 
+/* Forces by the laws, without a well, after the springs have advanced by h; c.shear_spring and
+ * c.rolling_spring are then theirs. The other members are 0. */
 dem_contact dem_law_forces(const dem_sim *sim, const dem_relative *r, double h);
 
 /* ---- Walls; touch.c, ground.c, walls.c ---- */

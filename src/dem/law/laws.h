@@ -37,7 +37,7 @@ RP_C_BEGIN
 
 /* Tangential laws. id; word; manual; has friction; has a spring; whether its coefficients, and those of
  * rolling, are of the contact's radius, see dem_law_at_overlap; the name of its force in law.inl; members of
- * dem_tangential_descriptor but the name. */
+ * dem_tangential_descriptor but the name, one at least. */
 #define DEM_TANGENTIAL_LAWS(X)                                                                               \
     X(DEM_NONE, none, "no force along the contact", false, false, false, no, .lammps = "linear_nohistory",   \
       .in_lammps = "none")                                                                                   \

@@ -44,6 +44,8 @@
     X("turnover [erg]", l.turnover) X("residual [erg]", l.residual)
 /* clang-format on */
 
+const char dem_state_columns[] = STATES(NAME) ", index"; /* the last as pandas writes it */
+
 static void put_row(FILE *out, size_t size, const double *values)
 {
     rp_table_row(out, size / sizeof *values, values);

@@ -168,16 +168,13 @@ static rp_status read_contacts(rp_arena *arena, const rp_table *states, const rp
     return RP_OK;
 }
 
-/* Columns of grains, and those of states that follow from them. */
-#define USED ",x,y,r,m,vx,vy,angle,omega,fixed,step,t,id,fx,fy,contacts,index,"
-
 rp_status dem_read_table(const char *path, dem_scene *scene)
 {
     rp_table *table, *contacts;
     RP_SCOPE(arena);
     RP_TRY(read_step(&arena, path, scene->particles_file, scene->particles_step, scene->def.units, &table));
     RP_TRY(read_particles_table(table, scene));
-    rp_columns_beside(table, USED, scene->unused);
+    rp_columns_beside(table, dem_state_columns, scene->unused);
     if (!*scene->contacts_file) return RP_OK;
     const int step = rp_table_column(table, "step");
     RP_TRY(read_step(&arena, path, scene->contacts_file, step < 0 ? -1 : atol(rp_cell(table, 0, step)),

@@ -79,6 +79,7 @@ extern const dem_scene_group dem_scene_schemas[];
  * id_b wall x y x_b y_b overlap normal_force shear_force shear_spring rolling_torque rolling_spring. Of all
  * walls, as dem_wall_now has them: wall x y direction_x direction_y from to fx fy. */
 typedef enum { DEM_TABLE_STATES, DEM_TABLE_ENERGY, DEM_TABLE_CONTACTS, DEM_TABLE_WALLS } dem_table;
+extern const char dem_state_columns[]; /* of the first, ", step, t [s], ..." */
 void dem_write_columns(dem_table table, const dem_sim *sim, FILE *out);
 rp_status dem_write_rows(dem_table table, const dem_sim *sim, long step, FILE *out); /* RP_NO_MEMORY */
 

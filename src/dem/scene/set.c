@@ -40,7 +40,7 @@ static rp_status step_into(char *name, const char *text, config_setting_t **grou
     const long i = take_index(name);
     config_setting_t *at = member(*group, name);
     if (!at && i == -1 && config_setting_is_root(*group) &&
-        rp_word_index("normal tangential rolling rest output", name) >= 0) /* all their keys have defaults */
+        rp_word_index("normal tangential rolling rest output ground hard implicit", name) >= 0)
         at = config_setting_add(*group, name, CONFIG_TYPE_GROUP);
     rp_guess guess = rp_guess_of(name);
     for (size_t k = 0; k < length(*group); k++) rp_guess_try(&guess, config_setting_name(element(*group, k)));
