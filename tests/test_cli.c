@@ -1537,11 +1537,11 @@ static void test_run_stopped(void)
 }
 
 CHECK_SUITE_WITHIN(cli, "command line", enter, leave, test_hardened, test_help, test_wrong_usage,
-                   test_bad_values, test_killed_plans,
-                   test_bench, test_bad_scenes, test_bad_sweeps, test_sweep_or_scene, test_broken_output,
-                   test_angles, test_group_order, test_angle_tables, test_stress_tables, test_claims,
-                   test_families, test_pooled, test_bad_claims, test_report, test_page_frames,
-                   test_page_circles, test_cut_drops, test_stats_trends, test_stats_select, test_free_fall,
-                   test_output_folder, test_broken_run, test_sweep, test_make, test_derivations,
-                   test_settings, test_shared_piles, test_row_again, test_run_stopped, test_energy_growth,
-                   test_drag, test_run_help, test_run_scene, test_undamped_sweep, test_limits, test_stopped)
+                   test_bad_values, test_killed_plans, test_bench, test_bad_scenes, test_bad_sweeps,
+                   test_sweep_or_scene, test_broken_output, test_angles, test_group_order, test_angle_tables,
+                   test_stress_tables, test_claims, test_families, test_pooled, test_bad_claims, test_report,
+                   test_page_frames, test_page_circles, test_cut_drops, test_stats_trends, test_stats_select,
+                   test_free_fall, test_output_folder, test_broken_run, test_sweep, test_make,
+                   test_derivations, test_settings, test_shared_piles, test_row_again, test_run_stopped,
+                   test_energy_growth, test_drag, test_run_help, test_run_scene, test_undamped_sweep,
+                   test_limits, test_stopped)

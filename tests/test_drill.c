@@ -436,5 +436,5 @@ static void test_read_only(void)
     conclude();
 }
 
-CHECK_SUITE_WITHIN(drill, "drill", enter, leave, test_killed, test_faults, test_hung_and_hungry,
-                   test_stops, test_doubled, test_clock, test_read_only)
+CHECK_SUITE_WITHIN(drill, "drill", enter, leave, test_killed, test_faults, test_hung_and_hungry, test_stops,
+                   test_doubled, test_clock, test_read_only)
