@@ -69,7 +69,10 @@ static void test_inequalities(void)
     IS(exceeds(number(20.5, 0.3), number(20.0, 0.4), 1, 1.4), "not reproduced");
     IS(exceeds(number(19.5, 0.3), number(20.0, 0.4), 1, 1.4), "not reproduced");
     IS(exceeds(number(20.5, 0.3), number(20.0, 0.4), 1, 1.3), "open");
-    IS(exceeds(number(21.5, 0.3), number(20.0, 0.4), 1, 5.0), "reproduced"); /* less than the margin */
+    /* a difference that is sure and no margin: less than what counts elsewhere */
+    IS(exceeds(number(21.5, 0.3), number(20.0, 0.4), 1, 5.0), "open");
+    IS(exceeds(number(21.5, 0.3), number(20.0, 0.4), 1, 2.3), "reproduced");
+    IS(exceeds(number(21.5, 0.3), number(20.0, 0.4), -1, 5.0), "not reproduced");
     IS(report_bound(0.05, 0.05, 1), "reproduced");
     IS(report_bound(0.05 / beyond, 0.05, 1), "not reproduced");
     IS(report_bound(0.05, 0.05, -1), "reproduced");
@@ -110,7 +113,9 @@ static void test_changes(void)
     IS(report_trends(&none, 1, 1.0, NULL), "open");
     IS(report_trends(&p_alone, 1, 1.0, NULL), "open");
     /* a change that a correction alone makes insignificant is neither */
-    IS(report_trends(&small, 1, 1.0, NULL), "reproduced");
+    IS(report_trends(&small, 1, 1.0, NULL), "open"); /* sure, and smaller than any that counts */
+    IS(report_trends(&small, 1, 0.9, NULL), "reproduced");
+    IS(report_trends(&small, -1, 1.0, NULL), "not reproduced");
     IS(report_trends(&small, 1, 1.0, &(report_chances){0.09, NAN}), "open");
     IS(report_trends(&inside, 1, 1.0, &(report_chances){0.9, NAN}), "not reproduced");
     const report_change endless = {-INFINITY, 0.5, 0.01};
@@ -135,7 +140,8 @@ static void test_corrected(void)
     IS(report_exceed(a, b, 1, &(report_chances){.effect = NAN, .margin = NAN}), "open");
     IS(report_exceed(a, b, 1, &(report_chances){.effect = 0.0456, .margin = 0.0499}), "not reproduced");
     IS(report_exceed(a, b, 1, &(report_chances){.effect = 0.0456, .margin = 0.0501}), "open");
-    IS(report_exceed(a, b, 1, &(report_chances){.effect = 0.0454, .margin = 0.0499}), "reproduced");
+    IS(report_exceed(a, b, 1, &(report_chances){.effect = 0.0454, .margin = 0.0499}), "open");
+    IS(report_exceed(a, b, 1, &(report_chances){.effect = 0.0454, .margin = 0.0501}), "reproduced");
     CHECK_NEAR(report_exceed_p_margin(a, b, 5.0), gsl_cdf_ugaussian_Q(-1.0), 1e-15);
     CHECK_NEAR(report_exceed_p_margin(b, a, 15.0), gsl_cdf_ugaussian_Q(1.0), 1e-15);
     CU_ASSERT(isnan(report_exceed_p_margin(a, b, INFINITY)));
@@ -182,7 +188,7 @@ static void test_few(void)
 static void test_counts(void)
 {
     RP_SCOPE(arena);
-    /* a variant, one of the full table alone, and several together are not counted */
+    /* all but a variant are counted */
     report_claim lh[] = {{.of = "", .on = "page", .paper = "lh"},
                          {.of = "", .on = "page", .paper = "lh"},
                          {.of = "", .on = "page", .paper = "li"},
@@ -196,7 +202,7 @@ static void test_counts(void)
                                     {.verdict = REPORT_REPRODUCED}};
     const report_claims all = {.claims = lh, .n = 7};
     CU_ASSERT_STRING_EQUAL(report_count(&arena, &all, judged, "lh"),
-                           "1 reproduced, 0 not reproduced, 1 open");
+                           "3 reproduced, 0 not reproduced, 1 open");
     CU_ASSERT_STRING_EQUAL(report_count(&arena, &all, judged, "ours"), "");
 }
 
@@ -435,8 +441,26 @@ static void test_page(void)
     CHECK_OK(rp_table_read("report/claims.tsv", &t));
     for (size_t row = 0; row < t.n_rows; row++) {
         if (strcmp(word(&t, row, "on"), "page") != 0) continue;
-        const char *start = check_text("\n| %s | ", word(&t, row, "statement"));
+        const char *note = word(&t, row, "note"),
+                   *start = check_text("\n| %s%s%s | ", word(&t, row, "statement"),
+                                       strcmp(note, "-") ? "; " : "", strcmp(note, "-") ? note : "");
         CHECK_OR_SAY(strstr(text, start), "paper-repro.md lacks: %s", start + 1);
+    }
+    /* what its first page counts are the rows of the full table */
+    scoped char *full = file_read("docs/claims.md", &size);
+    static const char *const papers[] = {"Lee & Herrmann", "Liffman, Chan & Hughes"};
+    static const char *const verdicts[] = {" | reproduced | ", " | not reproduced | ", " | open | "};
+    for (size_t p = 0; p < 2; p++) {
+        int counts[3] = {0};
+        const char *row = strstr(full, check_text("\n## %s", papers[p]));
+        CU_ASSERT_PTR_NOT_NULL_FATAL(row);
+        for (row = strchr(row + 1, '\n'); row && strncmp(row, "\n## ", 5) != 0; row = strchr(row + 1, '\n')) {
+            const char *line = check_text("%.*s", (int)strcspn(row + 1, "\n"), row + 1);
+            for (int k = 0; k < 3 && strncmp(line, "| variant ", 10) != 0; k++)
+                counts[k] += strstr(line, verdicts[k]) != NULL;
+        }
+        CU_ASSERT(strstr(text, check_text("\n| %s | %d reproduced, %d not reproduced, %d open |\n", papers[p],
+                                          counts[0], counts[1], counts[2])) != NULL);
     }
     size_t words = 0, lines = 0;
     for (const char *c = text; *c; c++) words += !strchr(" \n|", *c) && (c == text || strchr(" \n", c[-1]));
