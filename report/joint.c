@@ -96,6 +96,7 @@ static rp_status print_joint(cli_call *call, const void *values)
     for (size_t g = 0; g < groups.n_groups; g++) {
         stats_number differences[N_OF(claims)];
         double least = INFINITY, failed = 0.0;
+        bool whole = true; /* a choice is told where the table has all of its settings */
         for (int i = 0; i < ids.n; i++) {
             report_cell cell = {p.table, p.table->n_rows, o->column};
             report_number ours = {.tested = {NAN, NAN}, .n = 0.0};
@@ -105,10 +106,13 @@ static rp_status print_joint(cli_call *call, const void *values)
             if (cell.row < p.table->n_rows) {
                 RP_TRY(report_cell_number(&cell, &ours));
                 RP_TRY(report_cell_column(&cell, "n_failed", &lost));
+            } else {
+                whole = false;
             }
             differences[i] = report_difference(ours.tested, claims[i]->number);
             least = fmin(least, ours.n), failed += lost;
         }
+        if (!whole) continue;
         const report_together t = report_joint((size_t)ids.n, differences);
         fprintf(call->out, "%s%s", groups.words[g], *choices ? "\t" : "");
         fprintf(call->out, "%.6g\t%.6g\t%.6g\t%.6g\t%.6g\t%.6g\t%g\t%g\n", t.chi2, t.p, t.shift.value,

@@ -147,11 +147,12 @@ static void print_in_short(page *p, const report_claim *c, const report_judged *
 {
     const char *interval = strstr(j->text, REPORT_INTERVAL);
     fprintf(p->out, "%s%s%s | ", c->statement, *c->note ? "; " : "", c->note);
-    if (strcmp(c->paper, "ours") != 0) fprintf(p->out, "%s | ", report_published(p->tables.arena, c));
+    if (strcmp(c->paper, "ours") != 0)
+        fprintf(p->out, "%s | ", isnan(c->number.value) ? "" : report_published(p->tables.arena, c));
     fprintf(p->out, "%.*s%s%s | ", (int)(interval ? (size_t)(interval - j->text) : strlen(j->text)), j->text,
             *c->unit ? " " : "", c->unit);
     if (isfinite(c->margin)) fprintf(p->out, "%g", c->margin);
-    fprintf(p->out, " | %s%s |", j->word, report_after_a_look(c) ? " †" : "");
+    fprintf(p->out, " | %s%s |", j->word, report_after_a_look(c) ? "†" : "");
 }
 
 /* The claims of a paper in full; or those of a section that the page has, in short. */
