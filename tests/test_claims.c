@@ -454,7 +454,7 @@ static void test_page(void)
         int counts[3] = {0};
         const char *row = strstr(full, check_text("\n## %s", papers[p]));
         CU_ASSERT_PTR_NOT_NULL_FATAL(row);
-        for (row = strchr(row + 1, '\n'); row && strncmp(row, "\n## ", 5) != 0; row = strchr(row + 1, '\n')) {
+        for (row = strchr(row + 1, '\n'); row && strncmp(row, "\n## ", 4) != 0; row = strchr(row + 1, '\n')) {
             const char *line = check_text("%.*s", (int)strcspn(row + 1, "\n"), row + 1);
             for (int k = 0; k < 3 && strncmp(line, "| variant ", 10) != 0; k++)
                 counts[k] += strstr(line, verdicts[k]) != NULL;
