@@ -406,7 +406,7 @@ static bool panels_are_alike(const char *svg, bool own_height)
         const double size[2] = {fabs(b[4] - b[0]), fabs(b[5] - b[1])};
         if (size[1] < PER_CM) continue; /* of colours */
         if (isnan(first[0])) memcpy(first, size, sizeof first);
-        const bool wide = fabs(size[0] - 14.9 * PER_CM) < 3.0, narrow = fabs(size[0] - 6.3 * PER_CM) < 3.0;
+        const bool wide = fabs(size[0] - 14.6 * PER_CM) < 3.0, narrow = fabs(size[0] - 6.0 * PER_CM) < 3.0;
         if (!(wide || narrow) || (!own_height && fabs(size[1] - 4.6 * PER_CM) > 3.0) ||
             fabs(size[0] - first[0]) > 1.5 || fabs(size[1] - first[1]) > 1.5) {
             fprintf(stderr, "panel of %.2f cm x %.2f cm\n", size[0] / PER_CM, size[1] / PER_CM);

@@ -1,7 +1,7 @@
 # Lee & Herrmann 1993, figure 7(b): measured theta_T against (4) at the measured theta_R, as printed and with balanced forces.
 # sweeps: lh3 lh3_box
 heading = 'Tilting angle: measured, and by (4)'
-remark = sprintf('bars: standard error over %d piles, %d in the turned box, mostly smaller than the marks; series shifted sideways', most('lh3/compare.tsv', 'n'), most('lh3_box/compare.tsv', 'n'))
+remark = sprintf('bars: standard error over %d piles, %d in the turned box, mostly smaller than the marks', most('lh3/compare.tsv', 'n'), most('lh3_box/compare.tsv', 'n'))
 legend = 6
 load 'figures/style.gp'
 set xlabel 'friction coefficient {/:Italic μ}'
