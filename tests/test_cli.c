@@ -927,7 +927,6 @@ static void test_bad_claims(void)
     REPORT_FAILS(65, message, "claims --claims bad.tsv --tables .")
     BAD(PLAIN("a", "guess", "-", "t v", "-"), "bad.tsv:2: claim a: unknown test \"guess\"");
     BAD(CLAIM("a", "1\t1") CLAIM("a", "1\t1"), "bad.tsv:3: claim a stands twice");
-    BAD(CLAIM("a", "1\t1") VARIANT("b", "a", "1\t1", "t v"), "a number is published once");
     BAD(VARIANT("b", "a", "-\t-", "t v"), "no claim \"a\"");
     BAD(PLAIN("a", "above", "-", "t k=1 v", "0"), "claim a: ./t.tsv: 2 rows for \"t k=1 v\", one expected");
     BAD(PLAIN("a", "above", "-", "t k=2 v", "0"), "0 rows");

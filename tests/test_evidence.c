@@ -519,6 +519,15 @@ static void test_joint_claims(void)
     REPORTS(ASK);
     CHECK_CLAIM("x", "21.5 ± 1.0",
                 check_text("%+.1f se", 1.5 / hypot(report_of_few((stats_number){0.0, 1.0}, 9.0).se, 0.75)));
+    /* a variant has the number of its claim, or is another print with its own */
+    write_text("t.tsv", "# k\ta\ta_se\n2\t20\t0\n");
+    write_text("claims.tsv", HEADER "one\t-\tlh\t-\ts\tagrees\t20\t0.75\t-\t9\t-\tt k=2 a\t-\tx\t-\n"
+                                    "two\tone\tlh\t-\ts\tagrees\t25\t0.75\t-\t9\t-\tt k=2 a\t-\tx\t-\n"
+                                    "three\tone\tlh\t-\ts\tagrees\t-\t-\t-\t9\t-\tt k=2 a\t-\tx\t-\n");
+    REPORTS(ASK);
+    CHECK_CLAIM("one", "20", "+0.0 se");
+    CHECK_CLAIM("two", "20", "-6.7 se");
+    CHECK_CLAIM("three", "20", "+0.0 se");
     write_text("claims.tsv", claim, "sd", "-");
     REPORT_FAILS(65, "claim x: error: se, sd of so many samples, or ours expected", ASK);
 }
