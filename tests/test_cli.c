@@ -959,7 +959,7 @@ static void test_report(void)
     write_text("in.md", "{{claims li}}\n{{scores all}}\n");
     REPORTS("page in.md --tables . --claims claims.tsv");
     CHECK_PARTS(out, "| high | high | word | 0.100 ± 0.010 | 12 | reproduced | note |\n",
-                "|---|---|---|---|\n| angle | 20.10 ± 1 |  | no data |\n");
+                "|---|---|---|---|---|\n| angle | 20.10 ± 1 |  | 2 | no data |\n");
 #define BAD_PLACE(text, message)                                                                             \
     write_text("in.md", text);                                                                               \
     REPORT_FAILS(65, message, "page in.md --tables . --claims claims.tsv")

@@ -524,7 +524,7 @@ static void test_joint_claims(void)
     write_text("claims.tsv", HEADER "one\t-\tlh\t-\ts\tagrees\t20\t0.75\t-\t9\t-\tt k=2 a\t-\tx\t-\n"
                                     "two\tone\tlh\t-\ts\tagrees\t25\t0.75\t-\t9\t-\tt k=2 a\t-\tx\t-\n"
                                     "three\tone\tlh\t-\ts\tagrees\t-\t-\t-\t9\t-\tt k=2 a\t-\tx\t-\n");
-    REPORTS(ASK);
+    REPORTS(ASK " --variants");
     CHECK_CLAIM("one", "20", "+0.0 se");
     CHECK_CLAIM("two", "20", "-6.7 se");
     CHECK_CLAIM("three", "20", "+0.0 se");
