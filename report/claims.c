@@ -57,8 +57,8 @@ static rp_status read_numbers(const rp_table *t, size_t row, report_claim *c)
     return number_of(t, row, "margin", INFINITY, &c->margin);
 }
 
-/* A variant without a number, another print of the same quantity, takes that of its claim, which stands
- * before it. */
+/* A variant takes the published number of its claim, which stands before it, unless it is another print of
+ * the same quantity, with its own. */
 static rp_status find_number(const report_claims *all, report_claim *c)
 {
     const report_claim *original = NULL;
@@ -282,6 +282,15 @@ static bool is_opposite(const report_claim *c, const report_judged *j)
     return report_exceed(j->ours.tested, j->against.tested, sign, &p) == REPORT_NOT_REPRODUCED;
 }
 
+/* Whether it is the margin alone that leaves a claim open. */
+static bool is_within_margin(const report_claim *c, const report_judged *j)
+{
+    report_claim without = *c;
+    report_judged again = *j;
+    without.margin = 0.0;
+    return decide(&without, NULL, &again) == REPORT_REPRODUCED;
+}
+
 /* What explains a verdict, "" for nothing. */
 static const char *note_of(rp_arena *arena, const report_claim *c, const report_judged *j)
 {
@@ -294,8 +303,7 @@ static const char *note_of(rp_arena *arena, const report_claim *c, const report_
         return rp_text(arena, "%s without the correction for %zu tests of one question",
                        report_verdict_text(j->uncorrected, own), j->tests);
     if (!isnan(j->z)) return rp_text(arena, "%+.1f se", j->z);
-    if (j->verdict == REPORT_OPEN && isfinite(c->margin) && chances_of(c, j).effect < report_agree_p(2.0) &&
-        c->kind != CLAIM_INDEPENDENT && c->kind != CLAIM_SAME)
+    if (j->verdict == REPORT_OPEN && is_within_margin(c, j))
         return rp_text(arena, "a difference, but within the margin of %g", c->margin);
     if (tests[c->kind].by == BY_SIDE && j->verdict == REPORT_NOT_REPRODUCED && !is_opposite(c, j))
         return rp_text(arena, "a difference of %g or more is excluded", c->margin);

@@ -887,6 +887,26 @@ static void test_names(void)
     }
 }
 
+/* What docs/choices.md says of the five printed angles, by its table: which settings have a chance of 5 %. */
+static void test_five(void)
+{
+    scoped_table t = {0};
+    size_t n = 0;
+    CHECK_OK(rp_table_read("results/kept/claims/choices.tsv", &t));
+    for (size_t row = 0; row < t.n_rows; row++) {
+        const double density = cell(&t, row, "density");
+        const bool cut = strcmp(word(&t, row, "slip"), "truncated") == 0,
+                   extends = strcmp(word(&t, row, "floor"), "extends") == 0,
+                   one = density == 2.5 && cut && extends;
+        if (cell(&t, row, "k_n_wall") != 2e6 || density > 2.5) continue;
+        n++;
+        CU_ASSERT((cell(&t, row, "p_value") >= 0.05) == one && (!one || cell(&t, row, "n_least") < 50.0));
+        CU_ASSERT((cell(&t, row, "p_left") >= 0.05) ==
+                  (cut || density < 1.0 || (density == 1.0 && !extends)));
+    }
+    CU_ASSERT(n == 18);
+}
+
 /* Numbers, tests and cells of the claims stand a second time in tests/claims.txt: a changed number of a paper
  * is a change of both. */
 static void test_claims_again(void)
@@ -946,5 +966,5 @@ static void test_remade(void)
 
 CHECK_SUITE_WITHIN(evidence, "evidence", enter, leave, test_verdicts, test_section, test_failed_cells,
                    test_references, test_choices, test_needs, test_family, test_joint_claims,
-                   test_joint_choices, test_settings, test_rows, test_made, test_names, test_claims_again,
-                   test_pages, test_checksums, test_commits, test_remade)
+                   test_joint_choices, test_settings, test_five, test_rows, test_made, test_names,
+                   test_claims_again, test_pages, test_checksums, test_commits, test_remade)
