@@ -6,7 +6,7 @@
 #define JOINT_OPTIONS(X)                                                                                     \
     REPORT_OPTIONS(X)                                                                                        \
     X(TEXT, id, "", "lh-five", "", "claim whose `answer` names the claims with the numbers")                 \
-    X(TEXT, table, "", "lh_choices/points", "", "points of a sweep of the choices")                          \
+    X(TEXT, table, "", "lh_ramp/points", "", "points of a sweep of the choices")                          \
     X(TEXT, column, "", "theta_r3_deg", "", "column that answers")
 CLI_OPTIONS(joint, JOINT_OPTIONS)
 
@@ -129,7 +129,7 @@ const cli_command report_joint_command = {
              "chi^2 of the published numbers, the shift that all have in common, and what it leaves of "
              "chi^2, with its chance. `n_least`: piles of the setting that has fewest; `n_failed`: runs "
              "without a result.",
-    .example = "report joint --id lh-five --table lh_choices/points",
+    .example = "report joint --id lh-five --table lh_ramp/points",
     .refuses = "A claim that is no joint one; a table that is not there.",
     .options = joint_params,
     .act = print_joint};
