@@ -495,6 +495,14 @@ static void test_words(void)
     check_ends(sizeof cases / sizeof *cases, cases);
     RUN_TRIAL(t, check_changed(hopper, "clogged = `rest`", "low = `sqrt(-height) < 5`"), 1000, "no_number");
     CHECK_PARTS(exp_ended(t.run)->message, ": low \"sqrt(-height) < 5\" is nan; height = ");
+    RUN_TRIAL(early,
+              check_changed(hopper, "phases = (",
+                            "phases = ( { name = `none`; steps = 0; fail = { no = `true`; }; }, "),
+              1000, "no");
+    size_t n;
+    exp_outputs(early.plan, &n);
+    CU_ASSERT(n > 0);
+    for (size_t k = 0; k < n; k++) CU_ASSERT(isnan(exp_values(early.run)[k]));
 }
 
 static void test_refused(void)
