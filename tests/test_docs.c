@@ -14,6 +14,7 @@
 
 #define PAGES(X)                                                                                             \
     X(readme, "README.md")                                                                                   \
+    X(experiments, "docs/experiments.md")                                                                    \
     X(first_pile, "docs/first-pile.md")                                                                      \
     X(grains, "docs/grains.md")                                                                              \
     X(install, "docs/install.md")                                                                            \
@@ -252,6 +253,25 @@ static void promises(void)
     leave();
 }
 
+/* Every number of README's evidence stands on the page that its item names first; counts of statements and
+ * the version are those of their sources. */
+static void evidence(void)
+{
+    make_folder();
+    SHELL("cd page && counts='[0-9]* reproduced, [0-9]* not reproduced, [0-9]* open' && "
+          "{ sed -n '/^## Evidence/,/^## Doc/p' README.md | tr -s '\\n ' '  ' | sed 's/ - \\*/\\n*/g'; echo; "
+          "} | "
+          "sed 1d >../items && grep -o \"$counts\" ../items >../ours && "
+          "grep -o \"$counts\" paper-repro.md | diff - ../ours && [ $(wc -l <../items) = 4 ] && "
+          "while read -r item; do page=$(echo \"$item\" | sed 's/^[^(]*(\\([^)]*\\)).*/\\1/'); "
+          "for n in $(echo \"$item\" | grep -oE '[0-9]+([.][0-9]+)?'); do "
+          "grep -qE \"(^|[^0-9.])$n([^0-9.]|[.]?$|[.][^0-9])\" $page || { echo \"$page: no $n\"; exit 1; }; "
+          "done; done <../items && "
+          "grep -q \"version $(sed -n 's/^#define RP_VERSION \"\\(.*\\)\"/\\1/p' src/core/version.h):\" "
+          "README.md");
+    leave();
+}
+
 static bool same(const char *shown, const char *output)
 {
     char a[256], b[256];
@@ -274,5 +294,5 @@ static void comparison(void)
     CU_ASSERT_FALSE(same("a\n...\nd\n", "a\nd\ne\n"));
 }
 
-CHECK_SUITE(docs, "docs", comparison, every_command, promises, readme, first_pile, grains, install,
-            performance, physics, programs, scenes, sweeps)
+CHECK_SUITE(docs, "docs", comparison, every_command, promises, evidence, readme, experiments, first_pile,
+            grains, install, performance, physics, programs, scenes, sweeps)
