@@ -224,9 +224,10 @@ const dem_scene_group exp_groups[] = {
      "`every` steps); if (a condition of lets); fail = { word = \"condition\"; }. From here on: gravity = "
      "(gx, gy); gravity_turn_deg_per_step; box_turn_deg_per_step; dt; x_min; x_max; y_min; normal; "
      "tangential; "
-     "rolling; walls = { NAME = { velocity = (vx, vy); omega; load_x; load_y; speed; coefficients }; }. New "
-     "grains: add = { N; kind; r, or radii as of a fill; density; x; y; vx; vy; omega; gap; }. A block has "
-     "phases of its own, and repeat or until"},
+     "rolling; walls = { NAME = { velocity = (vx, vy); omega; load_x; load_y; speed; coefficients }; }. A "
+     "wall under a load moves by M dv/dt = load + force of the grains, |v| <= speed, M being a tenth of the "
+     "total grain mass, at least that of ten grains. New grains: add = { N; kind; r, or radii as of a fill; "
+     "density; x; y; vx; vy; omega; gap; }. A block has phases of its own, and repeat or until"},
     {"measure", exp_measure_schema,
      "a list of columns: name; of (an expression, a module or MODULE.OUTPUT); at or during a phase; when (a "
      "condition, of samples); event (a condition, of avalanches); against (an expression, of a line); if (a "

@@ -185,7 +185,8 @@ const dem_scene_group dem_scene_schemas[] = {
      "direction = [nx, ny] (into the grains, any length); of a segment extent = [s0, s1] (from the point "
      "along the direction turned clockwise). A polygon: polygon = ([x, y], ...) (the inside is on the left "
      "of the way from each point to the next). A circle: circle = [x, y, radius]. A motion: velocity = [vx, "
-     "vy] (cm/s) of pivot = [x, y] (the origin; of a circle its centre)"},
+     "vy] (cm/s) of pivot = [x, y] (the origin; of a circle its centre). Of coincident segments only the "
+     "more deeply overlapped one acts, on a tie the later"},
     {"ground", ground_schema,
      "static friction of a wall: each grain on it is held by -mu_static F_n/a times its displacement within "
      "a well of half-width a (Liffman, Chan & Hughes 1992, eqs (30) and (33))"},
