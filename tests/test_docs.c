@@ -267,7 +267,7 @@ static void evidence(void)
           "for n in $(echo \"$item\" | grep -oE '[0-9]+([.][0-9]+)?'); do "
           "grep -qE \"(^|[^0-9.])$n([^0-9.]|[.]?$|[.][^0-9])\" $page || { echo \"$page: no $n\"; exit 1; }; "
           "done; done <../items && "
-          "grep -q \"version $(sed -n 's/^#define RP_VERSION \"\\(.*\\)\"/\\1/p' src/core/version.h):\" "
+          "grep -q \"version $(sed -n 's/^#define RP_VERSION \"\\(.*\\)\"/\\1/p' src/core/version.h),\" "
           "README.md");
     leave();
 }
