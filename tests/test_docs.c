@@ -272,6 +272,32 @@ static void evidence(void)
     leave();
 }
 
+/* What the pages say of frames, corners and heights: tables of a turned box are in the laboratory frame,
+ * corners of a circle lie on it and its lowest side is level, and `flanks` takes heights from 0.1 to 0.9. */
+static void facts(void)
+{
+    enter();
+    write_text("turn.cfg", "steps = 100; gravity = [0.0, 0.0]; box_turn_deg_per_step = 0.1;\n"
+                           "walls = ( { circle = [0.0, 0.0, 2.0]; sides = 5; } );\n"
+                           "particles = ( { x = 0.5; y = 0.0; r = 0.1; } );\n");
+    GOOD("run turn.cfg --every 100 -o turn");
+    scoped_table states = read_table("turn/states.tsv"), walls = read_table("turn/walls.tsv");
+    CU_ASSERT_FATAL(states.n_rows == 2 && walls.n_rows == 10);
+    CU_ASSERT(cell(&states, 1, "x") == 0.5 && cell(&states, 1, "y") == 0.0);
+    bool level = false;
+    for (size_t k = 0; k < 5; k++) {
+        const double x = cell(&walls, k, "x"), y = cell(&walls, k, "y");
+        CHECK_NEAR(x * x + y * y, 4.0, 1e-14);
+        level |= y < 0.0 && fabs(cell(&walls, k, "direction_y") - 1.0) < 1e-15;
+    }
+    CU_ASSERT(level);
+    GOOD("params experiment");
+    SHELL(
+        "sed -n '/of = \"flanks\"/,/of = \"deposit\"/p' out | awk '/^  (from|to) / { printf \"%s \", $4 }' | "
+        "grep -x '0.1 0.9 '");
+    leave();
+}
+
 static bool same(const char *shown, const char *output)
 {
     char a[256], b[256];
@@ -294,5 +320,5 @@ static void comparison(void)
     CU_ASSERT_FALSE(same("a\n...\nd\n", "a\nd\ne\n"));
 }
 
-CHECK_SUITE(docs, "docs", comparison, every_command, promises, evidence, readme, experiments, first_pile,
-            grains, install, performance, physics, programs, scenes, sweeps)
+CHECK_SUITE(docs, "docs", comparison, every_command, promises, evidence, facts, readme, experiments,
+            first_pile, grains, install, performance, physics, programs, scenes, sweeps)
