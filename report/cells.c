@@ -141,18 +141,21 @@ static rp_status read_note(const report_cell *cell, stats_number *number)
                    cell->column + 1);
 }
 
-/* How much the scatter about a line exceeds what the errors of its points tell, 1 where it does not. */
-static rp_status read_misfit(const report_cell *cell, double *factor)
+/* How much the scatter about a line exceeds what the errors of its points tell, 1 where it does not; the
+ * number of values whose scatter has as many degrees of freedom, NaN where it does not. */
+static rp_status read_misfit(const report_cell *cell, double *factor, double *values)
 {
     double chi2, dof;
     RP_TRY(report_cell_column(cell, "chi2", &chi2));
     RP_TRY(report_cell_column(cell, "dof", &dof));
-    *factor = chi2 > dof && dof > 0.0 ? sqrt(chi2 / dof) : 1.0;
+    const bool misses = chi2 > dof && dof > 0.0;
+    *factor = misses ? sqrt(chi2 / dof) : 1.0, *values = misses ? dof + 1.0 : NAN;
     return RP_OK;
 }
 
-/* NAME_mean and NAME_se, or NAME_deg and NAME_se_deg, or NAME and NAME_se. */
-static rp_status read_value(const report_cell *cell, double n, stats_number *number)
+/* NAME_mean and NAME_se, or NAME_deg and NAME_se_deg, or NAME and NAME_se; how many values the error is from,
+ * NaN where it is not from their scatter. */
+static rp_status read_value(const report_cell *cell, double n, stats_number *number, double *values)
 {
     const char *mean = beside(cell, "", "_mean"), *error = beside(cell, "", "_se");
     if (!mean) RP_TRY(rp_table_find(cell->table, cell->column, NULL, &(int){0}));
@@ -161,7 +164,8 @@ static rp_status read_value(const report_cell *cell, double n, stats_number *num
     number->se = rp_ends_in(cell->column, "_sd") ? report_deviation_error(number->value, n) : 0.0;
     if (!error) return RP_OK;
     double misfit;
-    RP_TRY(read_misfit(cell, &misfit));
+    RP_TRY(read_misfit(cell, &misfit, values));
+    if (mean) *values = n;
     RP_TRY(report_cell_column(cell, error, &number->se));
     return number->se *= misfit, RP_OK;
 }
@@ -169,10 +173,11 @@ static rp_status read_value(const report_cell *cell, double n, stats_number *num
 rp_status report_cell_number(const report_cell *cell, report_number *number)
 {
     const char *n = beside(cell, "_sd", "_n");
+    double values = NAN;
     RP_TRY(report_cell_column(cell, n ? n : "n", &number->n));
     RP_TRY(*cell->column == '#' ? read_note(cell, &number->shown)
-                                : read_value(cell, number->n, &number->shown));
-    number->tested = beside(cell, "", "_mean") ? report_of_few(number->shown, number->n) : number->shown;
+                                : read_value(cell, number->n, &number->shown, &values));
+    number->tested = report_of_few(number->shown, values);
     return RP_OK;
 }
 

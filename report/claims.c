@@ -25,8 +25,6 @@ static const struct {
              [CLAIM_JOINT] = {"joint", BY_WORD},
              [CLAIM_FORMULA] = {"formula", BY_WORD}};
 
-static const double NORMAL_90 = 1.6448536269514722; /* half of a 90 % interval, in standard errors */
-
 /* ---- reading ---- */
 
 /* "-" stands for nothing, and so does a column that is not there. */
@@ -144,16 +142,38 @@ const char *report_published(rp_arena *arena, const report_claim *c)
 
 /* ---- both sides ---- */
 
+/* Degrees of freedom of the difference of two means (Welch and Satterthwaite); infinite where the error of a
+ * side is not that of a mean of values. */
+static double freedom(const report_number *a, const report_number *b)
+{
+    const report_number *const sides[] = {a, b};
+    double sum = 0.0, parts = 0.0;
+    for (int k = 0; k < 2; k++) {
+        const double se = sides[k]->shown.se, variance = se * se;
+        if (se == 0.0) continue;
+        if (sides[k]->tested.se == se) return INFINITY;
+        sum += variance, parts += variance * variance / (sides[k]->n - 1.0);
+    }
+    return parts > 0.0 ? sum * sum / parts : INFINITY;
+}
+
+static stats_contrast contrast_of(const report_judged *j)
+{
+    const stats_number n = isfinite(j->dof) ? report_difference(j->ours.shown, j->against.shown)
+                                            : report_difference(j->ours.tested, j->against.tested);
+    return (stats_contrast){n.value, n.se, isnan(j->dof) ? INFINITY : j->dof};
+}
+
 /* Within a family the correction follows later; else the table's own holds. */
 static rp_status read_change(rp_arena *arena, const report_claim *c, const report_cell *cell,
                              report_judged *j)
 {
     const bool corrected = !*c->family && report_cell_text(cell, "p_holm");
-    if (c->kind == CLAIM_SAME || c->answers->next) { /* their error is all that is known */
-        const stats_number n = report_difference(j->ours.tested, j->against.tested);
-        const double half = NORMAL_90 * n.se;
-        j->dof = INFINITY;
-        j->change = (report_change){n.value - half, n.value + half, report_agree_p(n.value / n.se)};
+    if (c->kind == CLAIM_SAME || c->answers->next) {
+        j->dof = freedom(&j->ours, &j->against);
+        const stats_contrast change = contrast_of(j);
+        stats_contrast_interval(&change, 0.9, &j->change.lo90, &j->change.hi90);
+        j->change.p_value = stats_contrast_p(&change);
         return RP_OK;
     }
     RP_TRY(report_cell_column(cell, rp_text(arena, "%s_lo90", cell->column), &j->change.lo90));
@@ -194,6 +214,12 @@ static rp_status read_tables(const report_claim *c, report_tables *tables, repor
 
 /* ---- verdicts ---- */
 
+/* The side on which a number or a trend is claimed to be. */
+static int sign_of(const report_claim *c)
+{
+    return c->kind == CLAIM_ABOVE || c->kind == CLAIM_LEAST || c->kind == CLAIM_RISES ? 1 : -1;
+}
+
 static report_chances chances_of(const report_claim *c, const report_judged *j)
 {
     const stats_number ours = j->ours.tested, against = j->against.tested;
@@ -202,11 +228,10 @@ static report_chances chances_of(const report_claim *c, const report_judged *j)
     case BY_SIDE: { /* beyond a limit other than 0 anything is enough: no difference is excluded */
         const double margin = !c->againsts && c->limit != 0.0 ? INFINITY : c->margin;
         return (report_chances){report_exceed_p(ours, against),
-                                report_exceed_p_margin(ours, against, margin)};
+                                report_exceed_p_margin(ours, against, sign_of(c), margin)};
     }
     case BY_CHANGE: {
-        const stats_number n = report_difference(j->ours.tested, j->against.tested);
-        const stats_contrast change = {n.value, n.se, isnan(j->dof) ? INFINITY : j->dof};
+        const stats_contrast change = contrast_of(j);
         if (c->kind != CLAIM_INDEPENDENT && c->kind != CLAIM_SAME)
             return (report_chances){j->change.p_value, NAN};
         const double inside = stats_contrast_p_margin(&change, c->margin);
@@ -228,7 +253,7 @@ static stats_number published_of(const report_claim *c, const report_judged *j)
 static report_verdict decide(const report_claim *c, const report_chances *raised, report_judged *j)
 {
     const stats_number ours = j->ours.tested, against = j->against.tested;
-    const int sign = c->kind == CLAIM_ABOVE || c->kind == CLAIM_LEAST || c->kind == CLAIM_RISES ? 1 : -1;
+    const int sign = sign_of(c);
     const report_chances own = chances_of(c, j);
     report_verdict verdict;
     switch (c->kind) {
@@ -277,9 +302,8 @@ static rp_status judge_joint(rp_arena *arena, const report_claims *all, const re
 /* Whether the opposite of an inequality is significant by itself. */
 static bool is_opposite(const report_claim *c, const report_judged *j)
 {
-    const int sign = c->kind == CLAIM_ABOVE ? 1 : -1;
     const report_chances p = {.effect = report_exceed_p(j->ours.tested, j->against.tested), .margin = NAN};
-    return report_exceed(j->ours.tested, j->against.tested, sign, &p) == REPORT_NOT_REPRODUCED;
+    return report_exceed(j->ours.tested, j->against.tested, sign_of(c), &p) == REPORT_NOT_REPRODUCED;
 }
 
 /* Whether it is the margin alone that leaves a claim open. */

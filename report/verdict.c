@@ -47,9 +47,9 @@ double report_exceed_p(stats_number a, stats_number b)
     return se > 0.0 ? 2.0 * gsl_cdf_ugaussian_Q(difference / se) : NAN;
 }
 
-double report_exceed_p_margin(stats_number a, stats_number b, double margin)
+double report_exceed_p_margin(stats_number a, stats_number b, int sign, double margin)
 {
-    const double difference = fabs(a.value - b.value), se = hypot(a.se, b.se);
+    const double difference = sign * (a.value - b.value), se = hypot(a.se, b.se);
     return se > 0.0 && isfinite(margin) ? gsl_cdf_ugaussian_Q((margin - difference) / se) : NAN;
 }
 
@@ -87,12 +87,11 @@ report_verdict report_trends(const report_change *change, int sign, double margi
                              const report_chances *raised)
 {
     const double middle = 0.5 * (change->lo90 + change->hi90);
-    const bool small = within(change, margin);
+    const bool small = sign * (sign > 0 ? change->hi90 : change->lo90) < margin;
     if (!isfinite(middle)) return REPORT_OPEN;
     if ((raised ? raised->effect : change->p_value) < level)
         return sign * middle < 0.0 ? REPORT_NOT_REPRODUCED : small ? REPORT_OPEN : REPORT_REPRODUCED;
-    return small && !(change->p_value < level) ? REPORT_NOT_REPRODUCED
-                                               : REPORT_OPEN; /* nor before a correction */
+    return small ? REPORT_NOT_REPRODUCED : REPORT_OPEN;
 }
 
 report_together report_joint(size_t n, const stats_number differences[])

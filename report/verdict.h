@@ -48,15 +48,15 @@ report_verdict report_agree(stats_number ours, stats_number published, double ma
 double report_agree_p(double z);
 
 /* Inequality: a above b (sign = 1) or below it (-1) by more than two standard errors of the difference. Not
- * reproduced if the opposite is, or if there is no such difference and its 90 % interval lies within the
- * margin of p->margin. One that is sure and lies within the margin, which means "none" elsewhere: open. Exact
- * numbers need no chances. */
+ * reproduced if the opposite is, or if there is no such difference and one as large as the margin is excluded
+ * at 5 %. One that is sure, where the margin is excluded: open. Exact numbers need no chances. */
 report_verdict report_exceed(stats_number a, stats_number b, int sign, const report_chances *p);
 
-/* Its chances: of so large a difference if there is none, and of so small a one if the true one is the
- * margin; NaN for exact numbers, and for a margin of INFINITY. */
+/* Its chances: of so large a difference, of either sign, if there is none, and of so small a one, or of one
+ * against the inequality, if the true one is the margin; NaN for exact numbers, and for a margin of INFINITY.
+ */
 double report_exceed_p(stats_number a, stats_number b);
-double report_exceed_p_margin(stats_number a, stats_number b, double margin);
+double report_exceed_p_margin(stats_number a, stats_number b, int sign, double margin);
 
 /* A number without an error at least (sign = 1) or at most (-1) the limit. Not finite: open. */
 report_verdict report_bound(double value, double limit, int sign);
@@ -71,7 +71,8 @@ typedef struct {
 report_verdict report_equivalent(const report_change *change, double margin, const report_chances *raised);
 
 /* Trend: a significant rise (sign = 1) or fall (-1). Not reproduced if the opposite is significant, or if no
- * change is, by itself, and the 90 % interval lies within +-margin; open if the rise or fall lies there. */
+ * change is, and one as large as the margin is excluded: the 90 % interval ends before it. A rise or fall
+ * that is significant, where the margin is excluded: open. */
 report_verdict report_trends(const report_change *change, int sign, double margin,
                              const report_chances *raised);
 

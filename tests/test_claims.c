@@ -22,7 +22,7 @@ static stats_number number(double value, double se)
 
 static report_verdict exceeds(stats_number a, stats_number b, int sign, double margin)
 {
-    const report_chances p = {report_exceed_p(a, b), report_exceed_p_margin(a, b, margin)};
+    const report_chances p = {report_exceed_p(a, b), report_exceed_p_margin(a, b, sign, margin)};
     return report_exceed(a, b, sign, &p);
 }
 
@@ -67,8 +67,12 @@ static void test_inequalities(void)
     IS(exceeds(number(NAN, 0.0), number(1.0, 0.0), 1, 1.0), "open");
     /* so small a difference that the margin, 1.8 standard errors away, is excluded; at 1.6 it is not */
     IS(exceeds(number(20.5, 0.3), number(20.0, 0.4), 1, 1.4), "not reproduced");
-    IS(exceeds(number(19.5, 0.3), number(20.0, 0.4), 1, 1.4), "not reproduced");
     IS(exceeds(number(20.5, 0.3), number(20.0, 0.4), 1, 1.3), "open");
+    IS(exceeds(number(20.5, 0.3), number(20.0, 0.4), -1, 1.4), "not reproduced");
+    /* on the other side the margin is farther away */
+    IS(exceeds(number(19.5, 0.3), number(20.0, 0.4), 1, 0.4), "not reproduced");
+    IS(exceeds(number(19.5, 0.3), number(20.0, 0.4), 1, 0.3), "open");
+    IS(exceeds(number(20.5, 0.3), number(20.0, 0.4), -1, 0.4), "not reproduced");
     /* a difference that is sure and no margin: less than what counts elsewhere */
     IS(exceeds(number(21.5, 0.3), number(20.0, 0.4), 1, 5.0), "open");
     IS(exceeds(number(21.5, 0.3), number(20.0, 0.4), 1, 2.3), "reproduced");
@@ -108,15 +112,19 @@ static void test_changes(void)
     IS(report_trends(&fall, -1, 1.0, NULL), "reproduced");
     IS(report_trends(&fall, 1, 1.0, NULL), "not reproduced");
     IS(report_trends(&almost, 1, 1.0, NULL), "open");
+    IS(report_trends(&almost, -1, 1.0, NULL), "not reproduced");
     IS(report_trends(&inside, 1, 1.0, NULL), "not reproduced"); /* no change as large as the margin */
     IS(report_trends(&edge, 1, 1.0, NULL), "open");
+    IS(report_trends(&edge, -1, 1.0, NULL), "not reproduced"); /* a fall of 1 is excluded */
+    IS(report_trends(&low, 1, 1.0, NULL), "not reproduced");
+    IS(report_trends(&low, -1, 1.0, NULL), "open");
     IS(report_trends(&none, 1, 1.0, NULL), "open");
     IS(report_trends(&p_alone, 1, 1.0, NULL), "open");
-    /* a change that a correction alone makes insignificant is neither */
     IS(report_trends(&small, 1, 1.0, NULL), "open"); /* sure, and smaller than any that counts */
     IS(report_trends(&small, 1, 0.9, NULL), "reproduced");
     IS(report_trends(&small, -1, 1.0, NULL), "not reproduced");
-    IS(report_trends(&small, 1, 1.0, &(report_chances){0.09, NAN}), "open");
+    IS(report_trends(&small, 1, 1.0, &(report_chances){0.09, NAN}), "not reproduced");
+    IS(report_trends(&small, 1, 0.9, &(report_chances){0.09, NAN}), "open");
     IS(report_trends(&inside, 1, 1.0, &(report_chances){0.9, NAN}), "not reproduced");
     const report_change endless = {-INFINITY, 0.5, 0.01};
     IS(report_equivalent(&endless, 1.0, NULL), "open");
@@ -142,9 +150,10 @@ static void test_corrected(void)
     IS(report_exceed(a, b, 1, &(report_chances){.effect = 0.0456, .margin = 0.0501}), "open");
     IS(report_exceed(a, b, 1, &(report_chances){.effect = 0.0454, .margin = 0.0499}), "open");
     IS(report_exceed(a, b, 1, &(report_chances){.effect = 0.0454, .margin = 0.0501}), "reproduced");
-    CHECK_NEAR(report_exceed_p_margin(a, b, 5.0), gsl_cdf_ugaussian_Q(-1.0), 1e-15);
-    CHECK_NEAR(report_exceed_p_margin(b, a, 15.0), gsl_cdf_ugaussian_Q(1.0), 1e-15);
-    CU_ASSERT(isnan(report_exceed_p_margin(a, b, INFINITY)));
+    CHECK_NEAR(report_exceed_p_margin(a, b, 1, 5.0), gsl_cdf_ugaussian_Q(-1.0), 1e-15);
+    CHECK_NEAR(report_exceed_p_margin(b, a, -1, 15.0), gsl_cdf_ugaussian_Q(1.0), 1e-15);
+    CHECK_NEAR(report_exceed_p_margin(b, a, 1, 5.0), gsl_cdf_ugaussian_Q(3.0), 1e-15);
+    CU_ASSERT(isnan(report_exceed_p_margin(a, b, 1, INFINITY)));
     const stats_number ours = number(25.0, 0.0), theirs = number(20.0, 2.0); /* 2.5 errors: 1.24 % */
     CHECK_NEAR(report_agree_p(-2.5), 0.012419330651552265, 1e-14);
     IS(agrees(ours, theirs, INFINITY, &(report_chances){0.0454, NAN}), "not reproduced");

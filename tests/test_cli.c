@@ -1133,7 +1133,7 @@ static void test_make(void)
 {
     write_text("s.cfg", "protocol = \"repose\"; replicas = 1; study = 2; seed = 1993;\n"
                         "fixed = { " SHORT_RUN " };\ngrid = { mu = [0.2, 0.3]; };\n"
-                        "derive = ( { table = \"line\"; with = \"fit\"; rows = \"points\"; x = \"mu\"; y = "
+                        "derive = ( { x = \"mu\"; table = \"line\"; with = \"fit\"; rows = \"points\"; y = "
                         "\"theta_r3_deg_mean\"; },\n"
                         "           { table = \"lines\"; with = \"fit\"; rows = \"line\"; x = \"slope\"; y = "
                         "\"intercept\"; } );\n"

@@ -495,6 +495,14 @@ static void test_words(void)
     check_ends(sizeof cases / sizeof *cases, cases);
     RUN_TRIAL(t, check_changed(hopper, "clogged = `rest`", "low = `sqrt(-height) < 5`"), 1000, "no_number");
     CHECK_PARTS(exp_ended(t.run)->message, ": low \"sqrt(-height) < 5\" is nan; height = ");
+    RUN_TRIAL(early,
+              check_changed(hopper, "phases = (",
+                            "phases = ( { name = `none`; steps = 0; fail = { no = `true`; }; }, "),
+              1000, "no");
+    size_t n;
+    exp_outputs(early.plan, &n);
+    CU_ASSERT(n > 0);
+    for (size_t k = 0; k < n; k++) CU_ASSERT(isnan(exp_values(early.run)[k]));
 }
 
 static void test_refused(void)
@@ -1301,6 +1309,11 @@ static void test_more_modules(void)
     CHECK_NEAR(measured(&t, "load"), one + two + wall, 1e-6);
     CHECK_NEAR(measured(&t, "centroid"), (0.3 * two + 0.6 * wall) / (one + two + wall), 1e-9);
     CU_ASSERT(isnan(measured(&t, "alone_load"))); /* one grain is no base */
+    static const char level[] = "{ name = `floor`; point = (0.0, 0.0); direction = (0.0, 1.0); }",
+                      tilted[] = "{ point = (0.0, -9.0); direction = (0.0, 1.0); }, { name = `floor`; point "
+                                 "= (0.0, 0.0); direction = (0.1, 1.0); }";
+    RUN_TRIAL(leans, check_changed(text, level, tilted), 100, "no_pile");
+    CU_ASSERT(strstr(exp_ended(leans.run)->message, "the wall is not level") != NULL);
     static const char pulls[] = /* two that part fast, two that press; places are those of a box that turns */
         "dt = 1e-8; gravity = (0.0, 0.0); tangential = { law = `spring`; mu = 0.5; };\n"
         "walls = ( { name = `floor`; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"

@@ -297,6 +297,9 @@ static void listed_overlaps(void)
         {{1, {"particles[2].y=0.489"}}, "particle 2, of line 3, overlaps particle 3, of line 4, by 0.011"},
         {{1, {"particles[2].y=0.25"}}, "particle 2, of line 3, overlaps particle 3, of line 4, by 0.25"},
         {{2, {"particles[2].y=0.489", "normal.k_n=100"}}, NULL},
+        {{2, {"particles[2].y=0.489", "normal.k_n=1.0e5"}},
+         NULL}, /* the weight of all three, to a hundredth */
+        {{2, {"particles[2].y=0.489", "normal.k_n=1.015e5"}}, "by 0.011"},
         {{3, {"particles[2].y=0.489", "normal.k_n=100", "gravity=[0.0, -0.5]"}}, "by 0.011"},
         {{3, {"particles[2].y=0.489", "normal.k_n=100", "gravity=[981.0, 0.0]"}}, NULL},
         {{3, {"particles[2].y=0.25", "particles[1].fixed=true", "particles[2].fixed=true"}}, NULL},

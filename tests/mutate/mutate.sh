@@ -72,7 +72,7 @@ suites_of() {
     sweeps/protocols/pile_tables.c) echo tables notes piles cli ;;
     src/stress/dip.c) echo stress piles drop evidence ;;
     src/stress/*) echo stress drop piles columns ;;
-    src/dem/papers/implicit.c) echo midpoint implicit dem units ;;
+    src/dem/papers/implicit.c) echo midpoint implicit dem units ledger ;;
     src/dem/methods/ahead.c | src/dem/methods/verlet.c) echo units dem removal threads motion rotation soft hard laws walls golden ;;
     src/dem/observe/ledger.c) echo units ledger walls ;;
     src/dem/observe/observe.c | src/dem/forces/contact.c) echo units soft rotation motion stress scene golden dem ;;
