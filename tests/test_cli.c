@@ -84,7 +84,7 @@ static void test_wrong_usage(void)
 {
     static const failure list[] = {
         {64, "unknown command \"frob\"", "frob"},
-        {64, "t: stands twice", "stats fit a t t -x x -y y"},
+        {64, "t: given twice", "stats fit a t t -x x -y y"},
         {64, "unknown command \"frob\"", "angle frob"},
         {64, "--threshold can't be combined with --o; it allows the outline",
          "pile --base 9 --eps 1e-4 --threshold -o d"},
@@ -119,7 +119,7 @@ static void test_wrong_usage(void)
         {64, "usage: repose lattice", "lattice --layers 5 6"},
         {64, "usage: repose angle slope FILE", "angle slope --width 4"},
         {64, "usage: repose run SCENE.cfg", "run"},
-        {64, "-o: empty; leave it out", "run s.cfg -o ''"}};
+        {64, "-o is empty; leave it out", "run s.cfg -o ''"}};
     CHECK_FAILURES(list);
 }
 
@@ -503,7 +503,7 @@ static void test_slope_anywhere(void)
     FAILS(64, "--from and --to are without it", "angle slope heap.csv --from 1 --width 3 --cell 20");
     FAILS(64, "need --width", "angle slope heap.csv --cell 1");
     SHELL("awk -F, -v OFS=, 'NR > 1 { print $1, $2; print $1 + 801, $2 }' heap.csv >two.csv");
-    FAILS(1, "two.csv: choose a flank by --from and --to: no pile: 4 flanks", "angle slope two.csv");
+    FAILS(1, "two.csv: choose a flank with --from and --to: no pile: 4 flanks", "angle slope two.csv");
     CU_ASSERT(strstr(out, "\tno_pile\n") != NULL);
     /* a box takes y = 0 for its ground, x = 0 for its wall, and one flank */
     CU_ASSERT(run("angle slope heap.csv --width 401 --cell 20") == 0 &&
@@ -614,10 +614,10 @@ static void test_stress_tables(void)
         for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&w, i, "N"), cell(&t, i, "N"), 0.0);
     }
     CU_ASSERT(shell_line(named, "if ($3 > 0.6 && $2) { $2 = 3; $6 = 0.05 }") == 0);
-    FAILS(65, "w: walls carry grains at y = 0 and 0.05: name the floor by --floor",
+    FAILS(65, "w: walls carry grains at y = 0 and 0.05: name the floor with --floor",
           "stress base w --width 1.2");
     CU_ASSERT(shell_line(named, "if ($2) $5 += 0.01") == 0);
-    FAILS(65, "w: no contact with a level floor: name its wall by --floor", "stress base w --width 1.2");
+    FAILS(65, "w: no contact with a level floor: name its wall with --floor", "stress base w --width 1.2");
     GOOD("stress base w --width 1.2 --floor 1");
     FAILS(65, "w: --floor = 7: no grain touches this wall", "stress base w --width 1.2 --floor 7");
     /* a grain that flew off is named with its pile; 100000 cells away it still has one */
@@ -1473,7 +1473,7 @@ static void test_energy_growth(void)
  * that sticks, by its own friction or the wall's. */
 static void test_drag(void)
 {
-    static const char told[] = "warning: t = 0.1: the shear force of 1 of 1 contacts exceeds mu times",
+    static const char told[] = "warning: t = 0.1: the tangential force of 1 of 1 contacts exceeds mu",
                       slope[] = "dt = 5e-5; tangential = { law = \"spring\"; mu = 0.3; };\n"
                                 "walls = ( { point = [0.0, 0.0]; direction = [1.0, 2.0]; } );\n"
                                 "particles = ( { x = 0.0447; y = 0.0894; r = 0.1; } );\n";

@@ -14,13 +14,13 @@
     X(TEXTS, set, "", "", "",                                                                                \
       "KEY=VALUE, GROUP.KEY=VALUE or walls[0].KEY=VALUE replaces a key; may be repeated")                    \
     X(INT, every, "steps", "auto", "[1, 2147483647] | auto",                                                 \
-      "interval of the frames (of a sweep's run: energies) written; auto: the last, and the ends of phases " \
+      "interval between frames (sweep run: between energies); auto: last frame and ends of phases "          \
       "(energies: 100)")                                                                                     \
     X(TEXT, o, "", "", "", "folder for tables, instead of standard output")                                  \
     X(BOOL, ledger, "", "false", "",                                                                         \
-      "add the terms of the energy ledger to the energies; as `ledger = true` in a scene")                   \
+      "add the terms of the energy ledger to the energies, as `ledger = true` in a scene file does")         \
     X(INT, j, "", "1", "[1, 256]",                                                                           \
-      "threads of one scene of some 16000 grains or more; the bits are the same for any number")             \
+      "threads, for scenes of some 16000 grains or more; results are bitwise identical for any number")      \
     X(INT, row, "", "0", "[0, 2147483647]", "number of the sweep's run, from 0")                             \
     CLI_FORCE(X)                                                                                             \
     CLI_QUIET(X)
@@ -309,33 +309,33 @@ static rp_status run_any(cli_call *call, const void *values)
 
 const cli_command cmd_run = {
     "run",
-    "simulate any scene, described in a file",
+    "simulate a scene that a file describes",
     "SCENE.cfg [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR [--force]]\n"
     "SWEEP.cfg [--row N] -o DIR [--every N] [--ledger] [--force]",
-    "A file that the current folder lacks, as examples/pile.cfg, is read from the program's own files: "
-    "PREFIX/share/repose where it is installed.\n"
+    "SCENE.cfg: simulates the scene; `repose params scene` lists the keys of the file. Without -o the states "
+    "of the grains are printed, or the measures of an experiment (a scene with phases). With -o, the folder "
+    "DIR gets states.tsv, contacts.tsv, walls.tsv and energy.tsv, with rows for every frame, and for an "
+    "experiment also phases.tsv and measures.tsv. `repose params --help` explains the columns.\n"
     "\n"
-    "SCENE.cfg: simulate the scene and print the state of each grain: step, t (s), id, x, y (cm), angle "
-    "(rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts, fixed. With -o, "
-    "the folder gets the tables states.tsv, contacts.tsv, walls.tsv and energy.tsv, with rows of every "
-    "frame. A wall is a line through x, y with the unit normal direction_x, direction_y, between the ends "
-    "`from` and `to` along the normal turned clockwise; an open wall has equal ends. In contacts.tsv, "
-    "shear_force acts on the second body, along the way from the first turned clockwise, shear_spring has "
-    "the other sign; rolling_torque acts on the first, rolling_spring is at the arm r_i r_j/(r_i + r_j). "
-    "`repose params scene` lists the keys of a scene file. The result grows in DIR.part and becomes DIR "
-    "when it is whole; a finished one is replaced with --force alone. After a stop, a kill or a power cut "
-    "the same command continues from the last snapshot, one a minute, and ends with the files of an "
-    "undisturbed run. The run ends with one line on standard error: grains, steps, at rest or not (a mean "
-    "kinetic energy below 1e-7 m g d, and forces that balance to 1e-2 m g, by ten looks in the last 5000 "
-    "steps), and theta_R by method 3 where the surface at rest falls to one side by all three methods. The "
-    "slope is measured from the standing wall to the opened one, or over the whole pile if no wall opens.\n"
+    "The result grows in DIR.part, which is renamed to DIR when it is complete. After a stop, a kill or a "
+    "power cut, the same command continues from the last snapshot (there is one a minute), and ends with the "
+    "same files as an undisturbed run.\n"
     "\n"
-    "SWEEP.cfg (a file with the key `protocol`): repeat one run of the sweep and print its results. The "
-    "folder gets the tables of this run. Of a text: grains, contacts and walls at the end of each phase, "
-    "phases.tsv, energies, and a file scene.cfg that `repose run` repeats bit for bit. For a static pile: "
-    "disks, contacts, wells and the forces on the base.",
+    "The run ends with one line on standard error: the number of grains and steps, whether the grains are at "
+    "rest, and theta_R by method 3 if the surface at rest falls to one side by all three methods. The slope "
+    "is measured from the standing wall to the opened one, or over the whole pile if no wall opens. Grains "
+    "are at rest if their mean kinetic energy is below 1e-7 m g d and the net force on each is below 1e-2 m "
+    "g, at ten checks in the last 5000 steps.\n"
+    "\n"
+    "SWEEP.cfg, a file with the key `protocol`: repeats one run of the sweep with its tables, and prints its "
+    "results. For a protocol with phases, the folder gets the grains, contacts and walls at the end of each "
+    "phase, phases.tsv, energies, and a file scene.cfg that gives bitwise identical results with `repose "
+    "run`. For a static pile, it gets the disks, contacts, wells and the forces on the base.\n"
+    "\n"
+    "A file that is not in the current folder, such as examples/pile.cfg, is read from the program's own "
+    "files (PREFIX/share/repose where it is installed).",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
     run_params,
-    .refuses = "A folder with a finished result, or with other files: give another one, or --force.\n"
+    .refuses = "A folder that holds a finished result or other files: use a different one, or --force.\n"
                "--row with a scene; --set and -j with a sweep.",
     .act = run_any};
