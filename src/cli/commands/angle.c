@@ -72,10 +72,10 @@ static const cli_command tilt = {
     "  printed   as in the paper\n"
     "status is one of\n"
     "  ok                theta_T was found\n"
-    "  ok_pulling        found, but there one ray of the lattice form carries an attractive force\n"
+    "  ok_pulling        found, but one ray of the lattice form attracts there\n"
     "  already_unstable  the margin is negative: no theta_T\n"
     "  no_slide          no theta_T below the limit\n"
-    "  rays_miss         otherwise, if theta_R >= phi, where the theory does not apply: exit status 1",
+    "  rays_miss         otherwise, if theta_R >= phi: no theory, exit status 1",
     "repose angle tilt --mu 0.2 --theta-r-deg 18 --form balanced",
     tilt_params,
     .refuses =

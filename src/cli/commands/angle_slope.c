@@ -43,8 +43,9 @@ static rp_status read_grains(rp_arena *arena, rp_table *t, const slope_options *
         return rp_fail(RP_BAD_INPUT, "%s: %zu columns, at least %zu (%s) needed", t->path, t->n_columns, n,
                        *with_r ? "x y r" : "x y");
     if (!named && t->names[0] && t->n_columns > 2)
-        fprintf(stderr, "repose angle slope: %s: no columns x, y: taken instead: %s, %s\n", t->path,
-                t->names[0], t->names[1]);
+        fprintf(stderr,
+                "repose angle slope: %s: no columns x and y; the columns %s and %s are used instead\n",
+                t->path, t->names[0], t->names[1]);
     for (size_t c = 0; !named && c < n; c++) t->names[c] = first[c];
     return rp_columns_read(arena, t, *with_r ? "x,y,r" : "x,y", block);
 }
@@ -55,8 +56,8 @@ static void warn_negative(const cli_call *call, const ang_slope slopes[ANG_N_MET
     bool negative = !cli_given(call, "y-axis");
     for (int i = 0; i < ANG_N_METHODS; i++) negative &= slopes[i].slope < 0.0;
     if (negative)
-        fputs("repose angle slope: the angles are negative: the surface falls to the left (--y-axis up tells "
-              "so), or y counts downward, as the rows of a picture do (--y-axis down)\n",
+        fputs("repose angle slope: the angles are negative: give --y-axis down if y counts downward, as the "
+              "rows of a picture do, or --y-axis up if the surface falls to the left\n",
               stderr);
 }
 
@@ -108,14 +109,14 @@ static rp_status slope_of_box(size_t n, const double *block, bool with_r, const 
         if (o->height == ANG_CENTRE) lowest = fmin(lowest, y[i]);
     }
     if (!status && (2 * s.n_occupied <= s.n_cells || left >= s.cell || lowest < -0.5 * s.cell))
-        status = rp_fail(
-            RP_NO_RESULT,
-            "sparse: %zu of %zu cells hold a point, the first x is %g and the lowest y %g, where a box "
-            "begins at 0, 0; give a larger --cell than %g or a smaller --width, or leave --width out",
-            s.n_occupied, s.n_cells, left, lowest, s.cell);
+        status =
+            rp_fail(RP_NO_RESULT,
+                    "sparse: %zu of %zu bins hold a point, the first x is %g and the lowest y %g, but a box "
+                    "begins at 0, 0; give a larger --cell than %g or a smaller --width, or leave --width out",
+                    s.n_occupied, s.n_cells, left, lowest, s.cell);
     if (!status && (4 * s.n_occupied < 3 * s.n_cells || gsl_stats_min(x, 1, n) < 0.0 ||
                     (!ang_pile_find(n, x, y, (double[]){0.0, o->width}, pile) && pile->n_flanks == 2)))
-        fputs("repose angle slope: a box leaves out x < 0, its empty cells have height 0, and it has one "
+        fputs("repose angle slope: a box leaves out x < 0, its empty bins have height 0, and it has one "
               "flank; without --width the pile is found wherever it is\n",
               stderr);
     *pile = (ang_pile){.n = s.n_cells, .n_flanks = 1, .n_flank = {s.n_occupied}};
@@ -134,7 +135,7 @@ static rp_status slope_of_table(cli_call *call, rp_table *table, const void *val
     if (box ? cli_given(call, "from") || cli_given(call, "to")
             : cli_given(call, "cell") || cli_given(call, "empty") || cli_given(call, "parabola"))
         return rp_fail(RP_USAGE,
-                       "--cell, --empty and --parabola need --width, --from and --to are without it");
+                       "--cell, --empty and --parabola need --width; --from and --to need its absence");
     RP_TRY(rp_table_one_step(table));
     RP_TRY(read_grains(call->arena, table, o, &with_r, &block));
     const size_t n = table->n_rows;
@@ -146,9 +147,8 @@ static rp_status slope_of_table(cli_call *call, rp_table *table, const void *val
     rp_status status = box ? slope_of_box(n, block, with_r, o, cell, &pile)
                            : ang_pile_find(n, block, block + n, (double[]){o->from, o->to}, &pile);
     if (!status && pile.n_flanks == 2 && pile.flank[0][1].slope > 0.0 && !cli_given(call, "y-axis"))
-        status = rp_fail(RP_NO_RESULT,
-                         "a valley, two flanks that fall inwards: y counts downward, as the rows of a "
-                         "picture do (--y-axis down), or not (--y-axis up tells so)");
+        status = rp_fail(RP_NO_RESULT, "a valley, two flanks that fall inwards: give --y-axis down if y "
+                                       "counts downward, as the rows of a picture do, or else --y-axis up");
     rp_prefix(status, "%s: %s", table->path, box ? "" : "choose a flank with --from and --to: ");
     if (status && status != RP_NO_RESULT) return status;
     cli_table(call, call->out);
@@ -178,8 +178,8 @@ const cli_command cmd_angle_slope = {
     "The standard error follows from the scatter of h about the straight line.\n"
     "\n"
     "FILE (- for standard input) has one row for each grain, or for each point of an outline, with columns "
-    "named x y r (or X Y R), otherwise in the first three columns; only --height top needs r. For points in "
-    "pixels, where y is the row of a picture, give --y-axis down.\n"
+    "named x y r (or X Y R), otherwise in the first three columns. r is needed only for --height top, and "
+    "for --width without --cell. For points in pixels, where y is the row of a picture, give --y-axis down.\n"
     "\n"
     "Without --width, the pile is found wherever it is, on any ground. A point below another by more than 57 "
     "degrees is taken to be inside; the other n_cells points are the surface. A flank is the surface between "

@@ -305,7 +305,7 @@ const cli_command cmd_calibrate = {
     "fit. The header has the residual and the reach of each measure, correlations, the combination of the "
     "variables that is determined best, and how many design points leave-one-out recovers. `form p` is the "
     "probability of such a misfit, beyond a tenth of the measurement error, if the polynomial is right. "
-    "Below 0.01 the polynomial is rejected, and no value is printed. Only repeated runs can tell.\n"
+    "Below 0.01 the polynomial is rejected, and no value is printed. p is not known without repeated runs.\n"
     "\n"
     "status is one of\n"
 #define X(name, word, meaning) "  " word ": " meaning "\n"

@@ -8,5 +8,4 @@ static const cli_command *const commands[] = {&cmd_run,    &cmd_view,    &cmd_sw
 
 const cli_program cli_repose = {
     "repose", "Repose",
-    "simulates piles of grains in two dimensions, their slopes, how they slide, and the forces in them",
-    commands};
+    "simulates two-dimensional piles of grains, and measures their slopes, stability and forces", commands};

@@ -100,13 +100,16 @@ const cli_command cmd_export = {
     "\n"
     "lammps-input: the scene as FILE.in and FILE.data for LAMMPS. The head of FILE.in says which laws "
     "coincide. LAMMPS supports these keys; any other setting is refused.\n"
-    "  normal.law       linear, elastic; hertz with at most 24 different radii, each a type\n"
-    "  normal.tension   false; true without friction\n"
-    "  tangential.law   none, slip_roll; spring and mindlin with slip = \"truncated\", damping = \"inside\"\n"
-    "  walls            infinite lines at rest, at any angle\n"
-    "  grains           fixed or not, with or without rotation\n"
-    "  integrator       verlet\n"
-    "  none of          rolling, ground, hard, x_min, x_max, y_min, turning gravity or box, phases",
+    "  normal.law      linear, elastic; hertz with at most 24 different radii, as\n"
+    "                  each radius is a type\n"
+    "  normal.tension  false; true without friction\n"
+    "  tangential.law  none, slip_roll; spring and mindlin with slip = \"truncated\"\n"
+    "                  and damping = \"inside\"\n"
+    "  walls           infinite lines at rest, at any angle\n"
+    "  grains          fixed or not, with or without rotation\n"
+    "  integrator      verlet\n"
+    "  none of         rolling, ground, hard, x_min, x_max, y_min, phases, turning\n"
+    "                  gravity, turning box",
     "repose export out --to lammps -o pile.lammpstrj",
     export_params,
     .refuses = "Grains of a sweep, which has none: use csv or json. --reduce without a sweep.\n"

@@ -220,7 +220,7 @@ static rp_status act_help(cli_call *call, const void *values)
 
 const cli_command cmd_help = {
     "help",
-    "print the help of a command, the manual, or the completion for bash",
+    "print the help of a command; --markdown: the manual; --completion: for bash",
     "[COMMAND...] [--markdown | --completion]",
     "Prints the help of a command. Without a command, it prints the list of commands, and where the program "
     "looks for its own files. --markdown prints the manual of all commands, keys of scene files, and "

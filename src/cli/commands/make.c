@@ -14,7 +14,7 @@
     CLI_WORKERS(X)                                                                                           \
     CLI_LIMITS(X)                                                                                            \
     X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
-    X(BOOL, study, "", "false", "", "runs per grid point: the number `study` of the file")                   \
+    X(BOOL, study, "", "false", "", "make as many runs per grid point as `study` in the file says")          \
     CLI_QUIET(X)                                                                                             \
     CLI_FORCE(X)
 

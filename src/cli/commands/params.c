@@ -188,16 +188,16 @@ const cli_command cmd_params = {
     "argument, everything is printed.\n"
     "\n"
     "Columns of the tables of a run, which are in the laboratory frame:\n"
-    "  states.tsv    step, t (s), id, x, y (cm), angle (rad), vx, vy (cm/s), omega (rad/s), net force fx, "
-    "fy\n"
-    "                (dyn), r (cm), m (g), number of contacts, whether the grain is fixed\n"
-    "  contacts.tsv  shear_force acts on the second body, along the centre line from the first, turned 90\n"
-    "                degrees clockwise; shear_spring has the opposite sign. rolling_torque acts on the "
-    "first\n"
-    "                body; rolling_spring is the rolling displacement at the arm r_i r_j/(r_i + r_j)\n"
-    "  walls.tsv     a wall is a line through x, y with the unit normal direction_x, direction_y; its ends\n"
-    "                `from` and `to` lie along the normal turned 90 degrees clockwise, and are equal once\n"
-    "                the wall is open",
+    "  states.tsv    step, t (s), id, x, y (cm), angle (rad), vx, vy (cm/s),\n"
+    "                omega (rad/s), net force fx, fy (dyn), r (cm), m (g), number of\n"
+    "                contacts, whether the grain is fixed\n"
+    "  contacts.tsv  shear_force acts on the second body, along the centre line from\n"
+    "                the first, turned 90 degrees clockwise; shear_spring has the\n"
+    "                opposite sign. rolling_torque acts on the first body;\n"
+    "                rolling_spring is the displacement at r_i r_j/(r_i + r_j)\n"
+    "  walls.tsv     a wall is a line through x, y with the unit normal direction_x,\n"
+    "                direction_y. Its ends `from` and `to` lie along the normal\n"
+    "                turned 90 degrees clockwise, and are equal once it is open",
     "repose params repose",
     params_params,
     .refuses = "A name that is no protocol; the message names the nearest one.",

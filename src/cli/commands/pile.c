@@ -148,12 +148,13 @@ const cli_command cmd_pile = {
     "Without an equilibrium the exit status is 1, and a message names disks, wells and one of these "
     "statuses. The tables of -o then hold the last state of the solver.\n"
     "  spreads        wells broke, and neighbours slid apart\n"
-    "  collapses      neighbours slid apart although no well broke: the pile toppled, or disks or springs "
-    "are too soft\n"
+    "  collapses      neighbours slid apart although no well broke: the pile toppled,\n"
+    "                 or disks or springs are too soft\n"
     "  creeps         with --set-again: wells are set again without end\n"
     "  meets          disks overlap that were not neighbours\n"
     "  not_converged  the solver did not converge\n"
-    "  singular       a disk can move freely in the equilibrium, or no equilibrium was found for such a disk",
+    "  singular       a disk can move freely in the equilibrium, or no equilibrium\n"
+    "                 was found for such a disk",
     "repose pile --alpha-deg 30 --base 45",
     own_params,
     .refuses = "An option that has no effect with the others; the message says which one it needs.\n"

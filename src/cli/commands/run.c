@@ -96,7 +96,8 @@ static rp_status read_scene(a_run *r)
     RP_TRY(exp_read(&r->text, &r->plan));
     RP_TRY(exp_check(r->plan));
     const dem_scene *scene = exp_scene(r->plan);
-    if (*scene->unused) fprintf(stderr, "repose run: particles_file: not used:%s\n", scene->unused);
+    if (*scene->unused)
+        fprintf(stderr, "repose run: particles_file: columns that are not used:%s\n", scene->unused);
     const double g = rp_hypot(scene->def.gravity[0], scene->def.gravity[1]);
     if (scene->def.units == RP_CGS && g > 9.7 && g < 9.9) /* that of SI */
         fprintf(stderr,
@@ -109,18 +110,18 @@ static rp_status read_scene(a_run *r)
     r->of.call.units = scene->def.units;
     r->seed = (unsigned long)scene->seed, r->stream = (unsigned long)scene->run;
     if (r->plain || every <= 0 || *r->o->o) return RP_OK;
-    return rp_fail(RP_USAGE,
-                   "--every needs -o DIR; %s has phases, and standard output holds what they measure",
-                   r->path);
+    return rp_fail(
+        RP_USAGE, "--every needs -o DIR; %s has phases, and standard output gets only the measures", r->path);
 }
 
 static rp_status read_row(a_run *r)
 {
     if (!*r->o->o)
-        return rp_fail(RP_USAGE,
-                       "%s is a sweep file; repose run %s --row N -o DIR makes one of its runs, with tables; "
-                       "repose sweep make %s -o DIR makes all",
-                       r->path, r->path, r->path);
+        return rp_fail(
+            RP_USAGE,
+            "%s is a sweep file; repose run %s --row N -o DIR repeats one of its runs, with tables; "
+            "repose sweep make %s -o DIR makes all",
+            r->path, r->path, r->path);
     RP_TRY(sweep_read_again(r->path, sweep_protocols, (size_t)r->o->row, r->of.call.arena, &r->row));
     r->every[RUN_ENERGY] = r->o->every > 0 ? r->o->every : 100;
     r->of.call.units = r->row.protocol->units;
@@ -152,10 +153,11 @@ static rp_status start(a_run *r)
     if (!exp_sim(run)) return r->row.protocol ? RP_OK : rp_fail(RP_NO_RESULT, "%s", exp_ended(run)->message);
     dem_count_work(exp_sim(run), &now);
     if (exp_is_cut(run))
-        r->of.start = "walls cut the region; grains lie in its largest part alone";
+        r->of.start = "walls divide the region; only its largest part has grains";
     else if (*scene->particles_file && now.contacts > 0 && !scene->def.n_contacts &&
              dem_has_spring(scene->def.tangential))
-        r->of.start = "grains touch, and their shear springs begin at 0; a bed at rest needs contacts_file";
+        r->of.start =
+            "grains touch, and their tangential springs begin at 0; a bed at rest needs contacts_file";
     if (r->of.start && !r->o->quiet) fprintf(stderr, "repose run: %s: %s\n", r->path, r->of.start);
     r->driver.threads = (size_t)r->o->j;
     if (r->plain) cli_looks_scene(&r->looks, scene, exp_sim(run));
@@ -276,7 +278,7 @@ static rp_status is_sweep(const char *path, bool *sweep)
     if (!status && !*sweep && config_lookup(&config, "model"))
         status =
             rp_fail(RP_BAD_INPUT,
-                    "%s is a sweep file of models alone; repose sweep make %s -o DIR writes their tables",
+                    "%s is a sweep file with models only; repose sweep make %s -o DIR writes their tables",
                     path, path);
     config_destroy(&config);
     return status;
@@ -309,7 +311,7 @@ static rp_status run_any(cli_call *call, const void *values)
 
 const cli_command cmd_run = {
     "run",
-    "simulate a scene that a file describes",
+    "simulate the scene in a file",
     "SCENE.cfg [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR [--force]]\n"
     "SWEEP.cfg [--row N] -o DIR [--every N] [--ledger] [--force]",
     "SCENE.cfg: simulates the scene; `repose params scene` lists the keys of the file. Without -o the states "

@@ -110,10 +110,10 @@ static rp_status check_size(const stress_pile *p, const char *prefix, double wid
 {
     enum { MOST = 100000 };
     if (!(width <= MOST * cell))
-        return rp_fail(RP_BAD_INPUT, "width = %g: more than %d cells of %g", width, MOST, cell);
+        return rp_fail(RP_BAD_INPUT, "width = %g: more than %d bins of %g", width, MOST, cell);
     for (size_t i = 0; i < p->n_grains; i++)
         if (!(fmax(fabs(p->x[i]), fabs(p->y[i])) <= MOST * cell))
-            return rp_fail(RP_BAD_INPUT, "%s: grain %zu at (%g, %g): more than %d cells of %g away", prefix,
+            return rp_fail(RP_BAD_INPUT, "%s: grain %zu at (%g, %g): more than %d bins of %g away", prefix,
                            i + 1, p->x[i], p->y[i], MOST, cell);
     return RP_OK;
 }
@@ -245,10 +245,11 @@ const cli_command cmd_stress_base = {
     "PREFIX_grains.tsv.\n"
     "  N, H                normal force; horizontal force, away from the left wall\n"
     "  weight              of the grains above the bin\n"
-    "  through             vertical force through the sides of the column above the bin\n"
+    "  through             vertical force through the sides of the column above\n"
     "  imbalance           N - weight - through\n"
-    "  N_theory, H_theory  of rays of inclination phi, in a wedge of the mean slope by method 3 with this\n"
-    "                      weight; nan where this slope is phi or more\n"
+    "  N_theory, H_theory  of rays of inclination phi, in a wedge with this weight\n"
+    "                      and the mean slope by method 3; nan if this slope is phi\n"
+    "                      or more\n"
     "The floor consists of the level walls at the height at which grains touch one.",
     "repose stress base pile --width 4",
     base_params,

@@ -214,17 +214,18 @@ const cli_command cmd_stats_trend = {
     "scatter at each x, which may differ between them, or, if some x has only one row, from the scatter "
     "about the line. With --pair they come from the slopes of single piles that have a row at every x. Words "
     "in column x count as 0, 1, ... in the order of their appearance.\n"
-    "  change    change of the fitted line over the whole range of x; change_lo, change_hi: 95 % interval;\n"
-    "            change_lo90, change_hi90: 90 % interval\n"
-    "  p_value   of the slope, two-sided, Student's t; p_holm: corrected for the number of groups\n"
+    "  change    change of the fitted line over the whole range of x; change_lo,\n"
+    "            change_hi: 95 % interval; change_lo90, change_hi90: 90 % interval\n"
+    "  p_value   of the slope, two-sided, Student's t; p_holm: corrected for the\n"
+    "            number of groups\n"
     "  bend      coefficient of x^2 in a quadratic fit\n"
-    "  p_margin  equivalence test (TOST): probability of a change this small if the true one were the "
-    "margin\n"
-    "  pair      largest difference of the means at two x; p_pairs: largest TOST p over all pairs of x,\n"
-    "            a much stricter test\n"
-    "  verdict   falls or rises if p_holm < level; no_dependence_within_margin if p_margin < level;\n"
-    "            falls_within_margin or rises_within_margin if both; undecided if neither; "
-    "no_result\n" TABLE_HELP,
+    "  p_margin  equivalence test (TOST): probability of a change this small if the\n"
+    "            true one were the margin\n"
+    "  pair      largest difference of the means at two x; p_pairs: largest TOST p\n"
+    "            over all pairs of x, a much stricter test\n"
+    "  verdict   falls or rises if p_holm < level; no_dependence_within_margin if\n"
+    "            p_margin < level; falls_within_margin or rises_within_margin if\n"
+    "            both; undecided if neither; no_result\n" TABLE_HELP,
     "repose stats trend build/tables/lh2a_runs.tsv -x H -y theta_r3_deg --by mu",
     trend_params,
     .refuses = "A number that is not positive with --scale log; more than ten different words in column x, "
