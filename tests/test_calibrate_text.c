@@ -247,7 +247,7 @@ static void test_refused(void)
          "budget = 20: the first stage needs 24 runs"},
         {MU MEASURED("slide.cfg", "v",
                      "0.1") ", { runs = \"t.tsv\"; of = \"y\"; value = 1.0; error = 0.1; } );",
-         "don't go together"}};
+         "cannot be combined"}};
     write_text("slide.cfg", "%s", slide);
     CHECK_REFUSED(cases, "fit.cfg", "calibrate fit.cfg -o r --quiet");
     CHECK_REFUSED(cases, "fit.cfg", "calibrate fit.cfg --dry-run");
