@@ -39,7 +39,7 @@ ALL     := $(CLI) $(REPORTER) $(foreach m,$(MODULES),$(call sources,$(m)))
 REPOSE  := $(B)/repose
 REPORT  := $(B)/report
 .PHONY: all figures bench report check test validate asan lint sizes standalone setup help clean FORCE
-all: $(REPOSE) $(REPORT) ## build the programs: build/repose, and build/report, which makes the report
+all: $(REPOSE) $(REPORT) ## build the programs: build/repose, and build/report for the report
 help: ## this list
 	@sed -n 's/^\([a-z][a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 16
 	@echo '  fig-NAME    one figure, as in `make fig-lh3`'
@@ -82,18 +82,18 @@ $(B)/check: $(CHECK) $(LIBRARY) | $(B)/core
 $(REPOSE) $(REPORT) $(B)/check:
 	@echo "link    $@" && $(CC) $(CFLAGS) $^ $(if $(filter %/check,$@),$$(pkg-config --libs cunit)) $(LIBS) -o $@
 
-lint: $(LIBRARY) $(REPOSE) $(REPORT) $(B)/check ## order of the rooms, prefixes of the modules, tables of figures, clang-format
+lint: $(LIBRARY) $(REPOSE) $(REPORT) $(B)/check ## check the order of layers, prefixes of modules, tables of figures, clang-format
 	@sh tests/lint.sh $(B) $(MODULES)
-standalone: $(B)/core ## build/core: a pile of grains, of examples/core.c and the core alone
+standalone: $(B)/core ## build/core: a pile of grains, from examples/core.c and the core only
 $(B)/libalone.a: $(ALONE)
 	@rm -f $@ && ar qcs $@ $^
 $(B)/core: $(B)/obj/examples/core.o $(B)/libalone.a
 	@echo "link    $@" && $(CC) $(CFLAGS) $^ -lxxhash -lm $(if $(SAN),,-pie) -o $@
-sizes: ## lines, code and semicolons of each room, and of core, tools and papers
+sizes: ## count lines, code and semicolons of each layer, and of core, tools and papers
 	@python3 -B tests/sizes.py
 # Figures that take no time show the tests the whole way from a model to a picture. The plain tests run beside the others,
 # and print last: CUnit's summary is then what `make check` ends with. Background jobs of a shell ignore signals that tests send.
-check: | $(SETUP_FIRST) ## unit tests and fast validation, with sanitizers and plain
+check: | $(SETUP_FIRST) ## unit tests and fast validation, with sanitizers and without
 	@$(MAKE) --no-print-directory -j$(JOBS) $(REPOSE) $(REPORT) $(B)/check $(addprefix $(B)/figures/,li13.svg li14.svg li18.svg li19.svg)
 	@REPOSE=$(REPOSE) env --default-signal=INT,QUIT $(B)/check -j$(JOBS) >$(B)/check.log 2>&1 & plain=$$!; \
 	trap 'kill $$plain; exit 1' INT TERM; $(MAKE) --no-print-directory lint asan; others=$$?; wait $$plain; plain=$$?; \
@@ -103,7 +103,7 @@ SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all -static-libas
 asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behaviour sanitizers
 	@$(MAKE) --no-print-directory -j$(JOBS) B=$(B)/asan SAN='$(SANITIZE)' $(addprefix $(B)/asan/,check repose report)
 	@echo "check   with sanitizers" && REPOSE=$(B)/asan/repose RP_CHECK_FAST=1 $(B)/asan/check -j$(JOBS)
-test: $(B)/check $(REPOSE) $(REPORT) ## some tests: make test SUITE=dem TEST='part of a name'
+test: $(B)/check $(REPOSE) $(REPORT) ## run some tests: make test SUITE=dem TEST='part of a name'
 	@REPOSE=$(REPOSE) $(B)/check -j$(JOBS) $(SUITE) --test '$(TEST)'
 
 # ---- A sweep, a suite or results fill a folder of tables, a figure names its sweeps, the report reads all.
@@ -148,19 +148,19 @@ make_pages = mkdir -p $(B)/docs; for p in $(PAGES); do \
 	$(REPORT) page report/text/$$(basename $$p).md.in --tables $$tables -o $(B)/$$p.md || exit 1; done
 make_html = sh report/page/page.sh $(REPOSE) $(B)
 # Two sweeps at a time, each on all cores: where one ends and derives its tables, the other works.
-figures: | $(SETUP_FIRST) ## every figure of the two papers and of the studies in results, into build/figures, and build/paper-repro.md
+figures: | $(SETUP_FIRST) ## make every figure of the two papers and of the studies, into build/figures, and build/paper-repro.md
 	@$(MAKE) -s -j$(JOBS) $(REPOSE) $(REPORT)
 	@$(MAKE) -s -j2 $(SWEEPS:%=$(T)/%/done)
 	@$(MAKE) -s -Oline -j$(JOBS) $(FIGURES:%=$(B)/figures/%.svg) $(patsubst %,$(B)/figures/shown/%.png,$(filter $(FIGURES),$(SHOWN)))
 	@tables=results,$(T),results/kept; $(make_pages); echo "report  $(B)/paper-repro.md"
-validate: $(REPOSE) $(B)/check ## the validation at full size, tables and figures
+validate: $(REPOSE) $(B)/check ## validation at full size, with tables and figures
 	@$(MAKE) -s -j1 $(SUITES:%=$(T)/%/done) $(CHECKED:%=$(B)/figures/%.svg)
-report: figures validate $(SHOWN:%=$(B)/figures/shown/%.png) ## paper-repro.md, docs and the pictures that they and README show; build/report.html, by pandoc
+report: figures validate $(SHOWN:%=$(B)/figures/shown/%.png) ## make paper-repro.md, pages of docs and the pictures that they show; build/report.html, with pandoc
 	@sh report/keep.sh $(T); tables=results,results/kept; $(make_pages); for p in $(PAGES); do cp $(B)/$$p.md $$p.md; done
 	@cp $(SHOWN:%=$(B)/figures/shown/%.png) figures/shown && $(make_html)
 	@[ ! -e .git ] || git --no-pager diff --exit-code --stat HEAD -- $(PAGES:=.md) results || \
 	  { echo "report: these differ from the last commit; look at them (git diff), and commit them" >&2; exit 1; }
 include tests/longer.mk install.mk src/page/page.mk
 .PRECIOUS: $(T)/%/done
-clean: ## remove everything made
+clean: ## remove everything that was made
 	rm -rf $(B)

@@ -245,8 +245,8 @@ static void every_command(void)
 static void promises(void)
 {
     make_folder();
-    SHELL("cd page && tr '\\n' ' ' <docs/guarantees.md | grep -o 'Suites: [^.]*\\.' >../suites && "
-          "[ $(wc -l <../suites) = $(grep -c '^[0-9]*\\. ' docs/guarantees.md) ] && "
+    SHELL("sed -n 's/^| [0-9]*\\. .*| \\(`.*`\\) |$/\\1/p' page/docs/guarantees.md >suites && cd page && "
+          "[ $(wc -l <../suites) = $(grep -c '^| [0-9]*\\. ' docs/guarantees.md) ] && "
           "grep -o '`[^`]*`' ../suites | tr -d '`' | while read -r s; do "
           "grep -qE \"^CHECK_SUITE[A-Z_]*\\\\($s,\" tests/*.c validation/*.c || "
           "{ echo \"no suite $s\"; exit 1; }; done");

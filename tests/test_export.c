@@ -170,7 +170,7 @@ static void test_errors(void)
     FAILS(65, "no grains", "export pile --to lammps --where 'step>9999'");
     FAILS(65, "neither a run (states.tsv) nor a sweep (sweep.cfg)", "export . --to csv");
     FAILS(65, "nowhere: cannot read", "export nowhere --to csv");
-    FAILS(64, "scene.cfg: a scene is exported by --to lammps-input", "export scene.cfg --to vtk");
+    FAILS(64, "scene.cfg: a scene is exported with --to lammps-input", "export scene.cfg --to vtk");
     FAILS(64, "--reduce needs a sweep", "export pile --to csv --reduce");
     FAILS(64, "--set needs --to lammps-input", "export pile --to csv --set mu=1");
     FAILS(64, "vtk needs a name that ends in .pvd", "export pile --to vtk -o a.vtk");

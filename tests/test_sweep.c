@@ -965,7 +965,7 @@ static void test_merge(void)
              "UPDATE runs SET results = '{\"y_deg\":2.385,\"never\":null}' WHERE " K " = 3 AND " X
              " = 0.125");
     sql_in(path, result);
-    CHECK_FAILS(sweep_merge(dir, toys, 2, both, &c), RP_BAD_INPUT, "another result than in the stores");
+    CHECK_FAILS(sweep_merge(dir, toys, 2, both, &c), RP_BAD_INPUT, "a different result than in the stores");
     CU_ASSERT(stored() == 22);
     sql_in(path, "UPDATE runs SET status = 'crashed'");
     CHECK_OK(sweep_merge(dir, toys, 2, both, &c)); /* a crash is no result */

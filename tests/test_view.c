@@ -933,7 +933,7 @@ static void test_closing_line(void)
         CHECK_PARTS(err, cases[k][1]);
     }
     CU_ASSERT(run("run level.cfg -j 3") == 0 &&
-              strncmp(err, "repose run: -j 3 has no use here: one thread works. ", 52) == 0);
+              strncmp(err, "repose run: -j 3 has no effect: only velocity Verlet is threaded, ", 66) == 0);
     CU_ASSERT(strstr(err, "; there are 2\nrepose run: 2 grains, ") != NULL);
 }
 

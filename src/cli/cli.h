@@ -80,22 +80,23 @@ void cli_table(const cli_call *call, FILE *out);
 /* Options that several commands have. */
 #define CLI_WHERE(X)                                                                                         \
     X(TEXTS, where, "", "", "",                                                                              \
-      "rows that meet a condition, as floor=ends, W != 4 or x > 1 and y <= 2*x; several must all hold")
+      "use only rows that meet a condition, such as floor=ends, W != 4 or x > 1 and y <= 2*x; may be "       \
+      "repeated")
 #define CLI_BY(X, fallback, what)                                                                            \
-    X(TEXT, by, "", fallback, "", "columns (a or a,b,...) whose different cells make the " what)
+    X(TEXT, by, "", fallback, "", "columns (a or a,b,...) whose different values make the " what)
 #define CLI_RANGE(X, what)                                                                                   \
     X(REAL, from, "", "-1e308", "(-inf, inf)", "smallest " what " that is used")                             \
     X(REAL, to, "", "1e308", "(-inf, inf)", "largest " what " that is used")
 #define CLI_PHI(X)     X(REAL, phi_deg, "deg", "60", "(0, 90)", "inclination of the rays of force")
 #define CLI_WORKERS(X) X(INT, j, "", "auto", "[1, 4096] | auto", "worker processes; auto: one per processor")
 #define CLI_LIMITS(X)                                                                                        \
-    X(REAL, mem, "MB", "infinite", "(0, inf) | infinite", "memory that one run may take")                    \
-    X(REAL, time, "s", "infinite", "(0, inf) | infinite", "time that one run may take")
+    X(REAL, mem, "MB", "infinite", "(0, inf) | infinite", "memory limit of one run")                         \
+    X(REAL, time, "s", "infinite", "(0, inf) | infinite", "time limit of one run")
 #define CLI_QUIET(X) X(BOOL, quiet, "", "false", "", "no progress and no closing line on standard error")
 #define CLI_POSITIONS(X)                                                                                     \
     X(INT, points, "", "auto", "[2, 10000000] | auto",                                                       \
       "number of equidistant positions from 0 to B; auto: 201 unless --at is given")                         \
-    X(TEXT, at, "", "auto", "", "positions as fractions of B, as in 0.1,0.25")
+    X(TEXT, at, "", "auto", "", "positions as fractions of B, such as 0.1,0.25")
 
 /* One command: text of --help, options of the parser, and the function that acts on their values. Options of
  * one letter take one dash. Each line of the synopsis is a way to call the command; its first word in
@@ -181,7 +182,7 @@ void cli_print_counts(const cli_call *call, const sweep_counts *counts);
 rp_status cli_claim_sweep(const char *directory, const char *file, bool force);
 #define CLI_FORCE(X)                                                                                         \
     X(BOOL, force, "", "false", "",                                                                          \
-      "replace the file or the finished result that is there, or plan over another sweep")
+      "replace an existing file or result, or give the folder to a different sweep")
 
 /* One degree in radians, and the number of an array's elements. */
 static const double deg = M_PI / 180.0;

@@ -38,8 +38,9 @@ void cli_tell_threads(const dem_sim *sim, const char *command, long threads)
 {
     if (threads > 1 && !dem_threads_serve(sim))
         fprintf(stderr,
-                "repose %s: -j %ld has no use here: one thread works. Threads serve velocity Verlet without "
-                "hard collisions and ledger, from some 16000 grains on; there are %zu\n",
+                "repose %s: -j %ld has no effect: only velocity Verlet is threaded, without rigid-body "
+                "impulses (hard) or "
+                "energy ledger, from some 16000 grains on; there are %zu\n",
                 command, threads, dem_count(sim));
 }
 
@@ -134,8 +135,8 @@ void cli_looks_at_frame(void *looks, const exp_run *run)
     l->over_friction = true;
     fprintf(
         stderr,
-        "repose run: warning: t = %.5g: the shear force of %zu of %zu contacts exceeds mu times the normal "
-        "force: damping = \"outside\" adds the dashpot to this limit, \"inside\" obeys it\n",
+        "repose run: warning: t = %.5g: the tangential force of %zu of %zu contacts exceeds mu times the "
+        "normal force, because damping = \"outside\" adds the dashpot to this limit; \"inside\" obeys it\n",
         dem_time(exp_sim(run)), over, n);
 }
 

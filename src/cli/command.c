@@ -31,7 +31,7 @@ void cli_overview(const cli_program *program, const cli_command *group, FILE *ou
     fprintf(out, "usage: %s %s%sCOMMAND [options]; %s %s%sCOMMAND --help says more\n\n", name, of, blank,
             name, of, blank);
     for (const cli_command *const *c = group ? group->group : program->commands; *c; c++)
-        fprintf(out, "  %-10s %s\n", cli_own_name(*c), (*c)->summary);
+        fprintf(out, "  %-11s %s\n", cli_own_name(*c), (*c)->summary);
 }
 
 /* The command of a group, or for NULL of the program, that argv[1] names. */

@@ -331,8 +331,8 @@ static rp_status find_conflict(sweep_store *s)
                " AND (s.status <> r.status OR (s.results <> r.results AND EXISTS (SELECT 1 FROM"
                " json_each(s.results) a JOIN json_each(r.results) b ON a.key = b.key"
                " WHERE a.value IS NOT b.value))) LIMIT 1"));
-    return *text ? rp_fail(RP_BAD_INPUT, "%s: another result than in the stores before it, for %s", s->path,
-                           text)
+    return *text ? rp_fail(RP_BAD_INPUT, "%s: a different result than in the stores before it, for %s",
+                           s->path, text)
                  : RP_OK;
 }
 
@@ -345,8 +345,9 @@ static rp_status take_source(sweep_store *s, const sweep_plan *plan)
     if (empty) return RP_OK;
     RP_TRY(ask(s, model, sizeof model, "SELECT value FROM source.sweep WHERE name = 'model'"));
     if (strcmp(model, plan->model) != 0)
-        return rp_fail(RP_BAD_INPUT, "%s: made by another model of the physics (%s), not by this one (%s)",
-                       s->path, model, plan->model);
+        return rp_fail(RP_BAD_INPUT,
+                       "%s: made with a different model of the physics (%s), not with this one (%s)", s->path,
+                       model, plan->model);
     RP_TRY(find_conflict(s));
     return run_sql(s, "DELETE FROM temp.runs WHERE status IN " RP_MACHINE_STATUS
                       " AND key IN (SELECT key FROM source.runs WHERE status NOT IN " RP_MACHINE_STATUS ");"

@@ -8,8 +8,8 @@
 #include "sweeps/engine/experiment.h"
 
 #define HELP_OPTIONS(X)                                                                                      \
-    X(BOOL, markdown, "", "false", "", "print the manual of all commands and keys as Markdown of pandoc")    \
-    X(BOOL, completion, "", "false", "", "print the completion of bash")
+    X(BOOL, markdown, "", "false", "", "print the manual of all commands and keys in pandoc's Markdown")     \
+    X(BOOL, completion, "", "false", "", "print the completion for bash")
 
 CLI_OPTIONS(help, HELP_OPTIONS)
 
@@ -220,12 +220,12 @@ static rp_status act_help(cli_call *call, const void *values)
 
 const cli_command cmd_help = {
     "help",
-    "help on a command; manual, completion of the shell",
+    "print the help of a command; --markdown: the manual; --completion: for bash",
     "[COMMAND...] [--markdown | --completion]",
-    "Prints the help of a command, or without one the list of commands and where the program's own files are "
-    "looked for. --markdown prints the manual of all commands, keys of scene files, and parameters and "
-    "outputs of protocols; pandoc makes a manual page or a web page of it. --completion prints the "
-    "completion of bash, to be read by `source`; `make install` installs it.",
+    "Prints the help of a command. Without a command, it prints the list of commands, and where the program "
+    "looks for its own files. --markdown prints the manual of all commands, keys of scene files, and "
+    "parameters and outputs of protocols; pandoc makes a manual page or a web page of it. --completion "
+    "prints the completion for bash, which `source` reads; `make install` installs it.",
     "repose help sweep plan",
     help_params,
     .refuses = "A name that is no command; the message names the nearest one.",

@@ -14,7 +14,7 @@
     CLI_WORKERS(X)                                                                                           \
     CLI_LIMITS(X)                                                                                            \
     X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
-    X(BOOL, study, "", "false", "", "runs per grid point: the number `study` of the file")                   \
+    X(BOOL, study, "", "false", "", "make as many runs per grid point as `study` in the file says")          \
     CLI_QUIET(X)                                                                                             \
     CLI_FORCE(X)
 
@@ -383,27 +383,28 @@ static rp_status act_make(cli_call *call, const void *values)
 
 const cli_command cmd_sweep_make = {
     "sweep make",
-    "plan, run, and write all tables of the sweep file",
+    "plan and make the runs, and write all tables of the sweep file",
     "FILE -o DIR [--tables DIR] [-j N] [--mem MB] [--time S] [--replicas N | --study] [--quiet] [--force]",
-    "Plan a sweep, make its missing runs, and write its tables: runs.tsv, points.tsv, one row per grid "
-    "point, and those that settings of the file ask for. All are checked before the first run.\n"
+    "Plans a sweep, makes its missing runs, and writes its tables: runs.tsv, points.tsv with one row for "
+    "each grid point, and the tables that these settings of the file ask for. All settings are checked "
+    "before the first run.\n"
     "\n"
     "  study  = 60;                                   # runs per grid point with --study\n"
     "  derive = ( { table = \"a\"; with = \"compare\"; },   # of the runs, by repose angle compare\n"
     "             { table = \"line\"; with = \"fit\"; rows = \"points\"; x = \"mu\"; y = "
     "\"theta_r3_deg_mean\"; } );\n"
-    "  trace  = ( { rows = [0, 10]; every = 100; } ); # runs again, as repose run FILE --row 0: row_0.tsv, "
+    "  trace  = ( { rows = [0, 10]; every = 100; } ); # as repose run FILE --row 0: row_0.tsv and folder "
     "row_0\n"
     "  model  = ( { table = \"30\"; with = \"continuum\"; alpha_deg = 30.0; } );\n"
     "\n"
-    "with: a command of repose stats, stress or angle that reads a table, for a model pile, tent, continuum "
-    "or lattice (folder = true: the tables of a pile too). rows: runs, points, or an earlier table; where = "
-    "[\"mu=0.2\", \"eps<1e-5\"]: as --where. of = [\"a\", \"b\"]: the runs of these sweeps, made before, "
-    "whose folders lie beside DIR. stage = \"pile\": for field and base, the piles of the traces at this "
-    "stage. A file without a protocol has models alone.",
+    "with is a command of repose stats, stress or angle that reads a table; for a model it is pile, tent, "
+    "continuum or lattice (folder = true writes the tables of a pile too). rows is runs, points, or an "
+    "earlier table. where = [\"mu=0.2\", \"eps<1e-5\"] works as --where does. of = [\"a\", \"b\"] takes the "
+    "runs of these sweeps, which were made before and whose folders lie beside DIR. stage = \"pile\" gives "
+    "field and base the piles of the traces at this stage. A file without a protocol may have only models.",
     "repose sweep make sweeps/li/tent.cfg -o build/sweeps/tent",
     make_params,
-    .refuses =
-        "What `repose sweep plan` and `repose sweep run` refuse; an unknown key, command or column of a\n"
-        "setting, before any run. A folder of a trace or a pile that holds something else.",
+    .refuses = "All that `repose sweep plan` and `repose sweep run` refuse; an unknown key, command or "
+               "column of a setting, before any run.\n"
+               "A folder of a trace or a pile that holds something else.",
     .act = act_make};

@@ -11,17 +11,17 @@
     X(TEXT, o, "", "", "",                                                                                   \
       "picture (.png, .svg, .pdf) or animation (.gif, .mp4) to write; without it, a window opens")           \
     X(TEXT, frame, "", "auto", "",                                                                           \
-      "last, all, the number of a frame from 0, step=N, or a phase, at whose end it is; auto: the last; "    \
+      "last, all, the number of a frame from 0, step=N, or the name of a phase for its end; auto: last, or " \
       "all for an animation")                                                                                \
-    X(TEXT, color, "", "", "", "column of the grains' table that colours the grains")                        \
-    X(BOOL, stress, "", "false", "", "principal stresses as crosses; orange: tension")                       \
-    X(BOOL, base, "", "false", "", "vertical force a unit length on the base, below the picture")            \
+    X(TEXT, color, "", "", "", "column of the table of grains by which grains are coloured")                 \
+    X(BOOL, stress, "", "false", "", "draw principal stresses as crosses, with attraction in orange")        \
+    X(BOOL, base, "", "false", "", "plot the vertical force per length on the base below the picture")       \
     X(REAL, cell, "", "auto", "(0, inf) | auto",                                                             \
-      "width of the cells of the stress and of the bins of the base, in the table's unit; auto: three mean " \
-      "diameters, in a narrow pile one, or an eighth of its width")                                          \
-    X(TEXT, window, "", "auto", "", "X0,X1,Y0,Y1: part that is shown; auto: all grains")                     \
+      "width of the bins of stress and base, in the unit of the table; auto: three mean diameters, in a "    \
+      "narrow pile an eighth of its width, but at least one diameter")                                       \
+    X(TEXT, window, "", "auto", "", "X0,X1,Y0,Y1: region that is shown; auto: all grains")                   \
     X(REAL, width, "cm", "18", "[8, 60]", "width of the picture")                                            \
-    X(REAL, fps, "1/s", "10", "[0.1, 50]", "frames a second of an animation")                                \
+    X(REAL, fps, "1/s", "10", "[0.1, 50]", "frames per second of an animation")                              \
     CLI_FORCE(X)
 
 CLI_OPTIONS(view, VIEW_OPTIONS)
@@ -201,17 +201,19 @@ static rp_status act_view(cli_call *call, const void *values)
 
 const cli_command cmd_view = {
     "view",
-    "grains, walls and forces as a picture or an animation",
+    "show grains, walls and forces as a picture or an animation",
     "DIR|TABLE [-o FILE] [--frame K] [--color COLUMN] [--stress] [--base] [--cell X] [--window X0,X1,Y0,Y1] "
     "[--width W] [--fps N]",
-    "DIR: folder of `repose run -o`, for a scene or for one run of a sweep (its stages are the frames; of an "
-    "experiment the ends of its phases), or of `repose pile -o`. TABLE: one of its tables of grains, or any "
-    "table with columns x, y, r. Width and darkness of a line between two centres show the normal force; "
-    "orange: tension. A fixed grain has a dark core. Gravity is not drawn: no table has it. Lengths and "
-    "forces have the units of the tables. All frames of an animation have one scale: the widest line stands "
-    "for a force that a quarter of the frames exceed. gnuplot draws the pictures. An .mp4 file needs ffmpeg.",
+    "DIR is the folder of `repose run -o`, for a scene or one run of a sweep, or of `repose pile -o`. The "
+    "frames of an experiment are the ends of its phases. TABLE is one of its tables of grains, or any table "
+    "with columns x, y and r.\n"
+    "\n"
+    "The width and darkness of a line between two centres show the normal force; attraction is orange. A "
+    "fixed grain has a dark core. Gravity is not drawn, because no table contains it. Lengths and forces "
+    "have the units of the tables. All frames of an animation share one scale: the widest line stands for a "
+    "force that a quarter of the frames exceed. gnuplot draws the pictures; an .mp4 file also needs ffmpeg.",
     "repose view out -o pile.png --color contacts",
     view_params,
-    .refuses = "A window without a screen: give -o. --frame all with a picture: give -o NAME.gif.\n"
+    .refuses = "A window without a screen: use -o. --frame all with a picture: use -o NAME.gif.\n"
                "A table without columns x, y and r.",
     .act = act_view};
