@@ -121,6 +121,19 @@ static rp_status slope_of_box(size_t n, const double *block, bool with_r, const 
     return status ? status : ang_slopes(s.n, s.column, s.h, s.cell, options.parabola, pile->flank[0]);
 }
 
+/* There is no pile: a hint if there is one where y counts downward. */
+static rp_status try_downward(size_t n, double *block, const slope_options *o)
+{
+    ang_pile pile;
+    char why[512];
+    snprintf(why, sizeof why, "%s", rp_message());
+    for (size_t i = n; i < 2 * n; i++) block[i] = -block[i];
+    const bool found = !ang_pile_find(n, block, block + n, (double[]){o->from, o->to}, &pile);
+    return rp_fail(RP_NO_RESULT, "%s%s", why,
+                   found ? "; as rows of a picture, whose y counts downward, there is one: --y-axis down"
+                         : "");
+}
+
 static rp_status slope_of_table(cli_call *call, rp_table *table, const void *values)
 {
     const slope_options *o = values;
@@ -144,10 +157,14 @@ static rp_status slope_of_table(cli_call *call, rp_table *table, const void *val
     for (size_t i = 0; i < n && !box && o->height == ANG_TOP; i++) block[n + i] += block[2 * n + i];
     rp_status status = box ? slope_of_box(n, block, with_r, o, cell, &pile)
                            : ang_pile_find(n, block, block + n, (double[]){o->from, o->to}, &pile);
+    if (!box && status == RP_NO_RESULT && !cli_given(call, "y-axis")) status = try_downward(n, block, o);
     if (!status && pile.n_flanks == 2 && pile.flank[0][1].slope > 0.0 && !cli_given(call, "y-axis"))
         status = rp_fail(RP_NO_RESULT,
                          "a valley, two flanks that fall inwards: y counts downward, as the rows of a "
                          "picture do (--y-axis down), or not (--y-axis up tells so)");
+    if (!box && pile.n_stray > 0 && !status)
+        fprintf(stderr, "repose angle slope: %s: %zu stray points beside the pile are left out\n",
+                table->path, pile.n_stray);
     rp_prefix(status, "%s: %s", table->path, box ? "" : "choose a flank by --from and --to: ");
     if (status && status != RP_NO_RESULT) return status;
     cli_table(call, call->out);
