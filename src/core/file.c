@@ -87,6 +87,24 @@ bool rp_program(char path[], size_t size)
     return n > 0;
 }
 
+const char *rp_data(rp_arena *arena, const char *name)
+{
+    /* next to the program: where it is installed, then the source above its build folder */
+    static const char *const beside[] = {"../share/repose", "..", "../..", NULL};
+    const char *const set[] = {".", NULL}, *folder = getenv("REPOSE_DATA"), *path;
+    char program[PATH_MAX];
+    if (*name == '/' || access(name, F_OK) == 0) return name;
+    const bool is_set = folder && *folder;
+    if (!is_set && !rp_program(program, sizeof program)) return name;
+    if (!is_set) *strrchr(program, '/') = '\0';
+    for (const char *const *sub = is_set ? set : beside; *sub; sub++) {
+        if (rp_path(arena, &path, "%s/%s/%s", is_set ? folder : program, *sub, name)) continue;
+        char *real = realpath(path, NULL);
+        if (real) return rp_arena_keep(arena, real, free);
+    }
+    return name;
+}
+
 bool rp_ends_in(const char *text, const char *end)
 {
     return strlen(text) >= strlen(end) && strcmp(text + strlen(text) - strlen(end), end) == 0;

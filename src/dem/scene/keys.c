@@ -1,6 +1,7 @@
 /* The keys of a scene file: schemas of its groups, and of the parts that several read. */
 #include <ctype.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "dem/scene/file.h"
@@ -39,6 +40,8 @@ static const rp_param top_schema[] = {
      "table with columns x y r and, if wanted, m vx vy angle omega fixed; instead of `particles`"},
     {"particles_step", "", RP_INT, AT(dem_scene, particles_step), "last", "[0, 2147483647] | last",
      "step of the table, which may have several"},
+    {"compressed", "", RP_BOOL, AT(dem_scene, compressed), "false", "",
+     "whether listed grains may overlap by more than a tenth of the radius, as a packing under pressure"},
     {"contacts_file", "", RP_TEXT, AT(dem_scene, contacts_file), "", "",
      "table contacts.tsv beside the states.tsv of `particles_file`, whose springs then go on; without it "
      "they begin at 0, and a bed at rest moves"},
@@ -169,6 +172,10 @@ const char dem_scene_others[] =
     "let material gravity normal tangential rolling walls particles fill ground hard implicit phases "
     "measure regions rest result seed run output require";
 
+/* corner_lower and corner_upper joined walls before all walls that meet were joined */
+const char dem_wall_others[] =
+    "point direction extent polygon circle velocity pivot corner_lower corner_upper";
+
 const dem_scene_group dem_scene_schemas[] = {
     {"scene", top_schema, "what all grains share, and the run; gravity = [gx, gy] (cm/s^2)"},
     {"normal", normal_schema, "force of a contact along the line of centres; overlap x, parting at v_n"},
@@ -200,6 +207,33 @@ const dem_scene_group dem_scene_schemas[] = {
      "of several, each of which if = \"CONDITION\" may leave out; radii = ( [r, share], ... ) of a table; "
      "polygon = ( [x, y], ... ) that the centres lie in, of the region"},
     {0}};
+
+/* The first is written as in a file. */
+bool dem_place(const char *key, char text[RP_PLACE_BYTES])
+{
+    size_t used = 0;
+    char group[16];
+    for (const dem_named_key *k = dem_named_keys; k->key; k++) { /* by another name */
+        const char *dot = strchr(k->key, '.');
+        if (!dot || strcmp(k->param.name, key) != 0 || strcmp(dot + 1, key) == 0) continue;
+        snprintf(group, sizeof group, "%.*s", (int)(dot - k->key), k->key);
+        rp_put_place(text, &used, group, dot + 1, "{ }");
+    }
+    for (const dem_scene_group *g = dem_scene_schemas; g->name && used < RP_PLACE_BYTES; g++) {
+        const bool top = g->schema == top_schema,
+                   list = g->schema == wall_schema || g->schema == particle_schema;
+        const char *also = top                        ? dem_scene_others
+                           : g->schema == wall_schema ? dem_wall_others
+                           : g->schema == fill_schema ? "radii polygon"
+                                                      : "";
+        if (rp_params_find(g->schema, key) || rp_word_index(also, key) >= 0)
+            rp_put_place(text, &used, top ? "the file itself, outside all groups" : g->name, key,
+                         top    ? ""
+                         : list ? "( )"
+                                : "{ }");
+    }
+    return used > 0;
+}
 
 rp_status dem_is_wanted(const config_setting_t *group, bool *wanted)
 {
