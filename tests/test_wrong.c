@@ -92,6 +92,9 @@ static void names(void)
         {"let = { d = 0.1; };" SCENE, "in every expression (the diameter of the mean grain)", NULL},
         {"let = { pi = 3.0; };" SCENE, "in every expression (the number pi)", NULL},
         {"let = { height = 3.0; };" SCENE, "in every expression (highest point", NULL},
+        {"dt = 2e-5;" FLOOR
+         "fill = { N = 3; W = 4.0; H = 4.0; }; phases = ( { name = `last`; steps = 3; } );",
+         "`repose view --frame last` means other frames", NULL},
         {"let = { slope = 3.0; };" SCENE, "in `of` of a measure (a module)", NULL},
         {"let = { density = 3.0; };" SCENE,
          "density is a key of the scene too; give the let another name, or the key its value: density = "
@@ -242,6 +245,8 @@ static void pictures(void)
     fclose(f);
     CU_ASSERT(run("angle slope p.tsv") == RP_NO_RESULT && strstr(err, "--y-axis down"));
     CU_ASSERT(run("angle slope p.tsv --y-axis down") == RP_OK && strstr(out, "ok_mean"));
+    write_text("p.tsv", "1 0 0.5 0.1\n2 1 0.5 0.1\n");
+    FAILS(65, "no names of columns above the first row \"1 0 0.5 0.1\"; what are they?", "angle slope p.tsv");
 }
 
 /* A series that is too short for its error says how long it must be. */

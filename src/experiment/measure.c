@@ -174,6 +174,8 @@ static rp_status rate(const exp_samples *s, rp_arena *arena, double out[])
             for (n = 0; n < BLOCKS; n++)
                 rates[n] = rate_between(&s->at[last * n / BLOCKS], &s->at[last * (n + 1) / BLOCKS]);
     }
+    if (n == 1 && last < 2 * BLOCKS) /* of the error, which the rate does not need */
+        rp_fail(RP_NO_RESULT, "%zu samples: more than %d needed, or %d passes", s->n, 2 * BLOCKS, BLOCKS);
     if (n < BLOCKS) return RP_OK;
     if (!stats_mean(n, rates, &all)) out[1] = all.se;
     return RP_OK;
@@ -286,27 +288,12 @@ static rp_status reduce(const exp_run *run, const exp_measure *m, double out[])
 const char *exp_why_none(const exp_run *run, size_t output)
 {
     const exp_plan *plan = run->plan;
-    size_t k = 0;
-    while (k < plan->n_measures && !(output >= plan->measures[k].output &&
-                                     output < plan->measures[k].output + plan->measures[k].n_outputs))
-        k++;
+    double out[EXP_MODULE_OUTPUTS];
+    size_t k = plan->n_measures;
+    rp_fail(RP_NO_RESULT, "it has no value");
+    while (k-- > 0 && output < plan->measures[k].output) continue;
     const exp_measure *m = &plan->measures[k];
-    double *v, *work;
-    exp_samples s = {0};
-    stats_series series;
-    RP_SCOPE(arena);
-    if (k == plan->n_measures || output == m->output || m->module ||
-        (m->take != TAKE_MEAN && m->take != TAKE_RATE) || run->samples[k].n == 0 ||
-        take_counting(run, m, &arena, &s) || s.n < 2)
-        return "it has no value";
-    v = rp_arena_memory(&arena, s.n, sizeof *v), work = rp_arena_memory(&arena, s.n, sizeof *work);
-    const size_t n = m->take == TAKE_RATE ? s.n - 1 : s.n;
-    for (size_t i = 0; v && i < n; i++)
-        v[i] = m->take == TAKE_RATE ? rate_between(&s.at[i], &s.at[i + 1]) : s.at[i].value;
-    if (m->take == TAKE_RATE && n < 2 * BLOCKS)
-        rp_fail(RP_NO_RESULT, "%zu samples: more than %d needed, or %d passes", s.n, 2 * BLOCKS, BLOCKS);
-    else if (!v || !work || !stats_blocking(n, v, work, &series))
-        return "it has no value";
+    if (!m->module && m->take != TAKE_VALUE) (void)reduce(run, m, out); /* which says why again */
     return rp_message();
 }
 

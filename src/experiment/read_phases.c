@@ -255,6 +255,9 @@ static rp_status name_phase(exp_plan *plan, const config_setting_t *setting, siz
     if (block != SIZE_MAX && !member(setting, "mark")) p->mark = false;
     if (!exp_is_word(p->name))
         return rp_config_fail(setting, "name = \"%s\": up to 23 letters, digits and _ expected", p->name);
+    if (rp_word_index("last all auto", p->name) >= 0)
+        return rp_config_fail(setting, "name = \"%s\": `repose view --frame %s` means other frames", p->name,
+                              p->name);
     if (exp_scope_named(plan, EXP_PHASE, p->name, strlen(p->name), NULL))
         return rp_config_fail(setting, "name = \"%s\": names two phases", p->name);
     if (has_inner) RP_TRY(check_block(setting));

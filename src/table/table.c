@@ -442,6 +442,24 @@ rp_status rp_table_find(const rp_table *table, const char *name, const char *exp
     return RP_OK;
 }
 
+/* Its first row is shown, since that is what one looks for in the file. */
+rp_status rp_table_nameless(const rp_table *t)
+{
+    char row[128] = "";
+    size_t used = 0;
+    double first, next;
+    for (size_t c = 0; c < t->n_columns && used < sizeof row; c++)
+        used +=
+            (size_t)snprintf(row + used, sizeof row - used, "%s%.20s", c ? " " : "", rp_cell(t, 0, (int)c));
+    const bool counts = t->n_rows > 1 && t->n_columns > 3 && rp_text_number(rp_cell(t, 0, 0), &first) &&
+                        rp_text_number(rp_cell(t, 1, 0), &next) && next == first + 1.0;
+    return rp_fail(
+        RP_BAD_INPUT,
+        "%s:%zu: no names of columns above the first row \"%s\"; what are they? Write a line as \"%sx y r\" "
+        "above it%s",
+        RP_PLACE(t, 0), row, counts ? "index " : "", counts ? " (the first column counts the rows)" : "");
+}
+
 /* rp_table_read has ended every line with NUL; the first row stops the search. */
 const char *rp_table_find_note(const rp_table *table, const char *key)
 {

@@ -22,7 +22,7 @@
 
 CLI_OPTIONS(slope, SLOPE_OPTIONS)
 
-/* Columns by name, if the table has one of the names, else the first ones. Radii are read where the table has
+/* Columns by name, unless there are only so many. Radii are read where the table has
  * them, if they are useful. */
 static rp_status read_grains(rp_arena *arena, rp_table *t, const slope_options *o, bool *with_r,
                              double **block)
@@ -36,14 +36,13 @@ static rp_status read_grains(rp_arena *arena, rp_table *t, const slope_options *
             if (t->names[i] && strcasecmp(t->names[i], first[c]) == 0) t->names[i] = first[c];
         named |= rp_table_column(t, first[c]) >= 0;
     }
+    if (!named && !t->names[0] && t->n_columns > 3) return rp_table_nameless(t);
+    named |= t->names[0] && t->n_columns > 2; /* which are to be x and y */
     *with_r = needs_r || (useful && (named ? rp_table_column(t, "r") >= 0 : t->n_columns >= 3));
     const size_t n = *with_r ? 3 : 2;
     if (!named && t->n_columns < n)
         return rp_fail(RP_BAD_INPUT, "%s: %zu columns, at least %zu (%s) needed", t->path, t->n_columns, n,
                        *with_r ? "x y r" : "x y");
-    if (!named && t->names[0] && t->n_columns > 2)
-        fprintf(stderr, "repose angle slope: %s: no columns x, y: taken instead: %s, %s\n", t->path,
-                t->names[0], t->names[1]);
     for (size_t c = 0; !named && c < n; c++) t->names[c] = first[c];
     return rp_columns_read(arena, t, *with_r ? "x,y,r" : "x,y", block);
 }
@@ -192,8 +191,10 @@ const cli_command cmd_angle_slope = {
     "Slope of a pile's surface h(x), positive where it falls to the right, by the methods of Lee & Herrmann "
     "1993: 1 first to last cell, 2 straight line, 3 parabola through the running sum of h. The standard "
     "error is propagated from the scatter of h about its straight line. FILE (- for standard input): one row "
-    "a grain or a point of an outline, columns x y r (or X Y R) by name, otherwise the first three; r is "
-    "needed for --height top only. For points in pixels, whose y is the row of a picture, give --y-axis "
+    "a grain or a point of an outline, columns x y r (or X Y R) by name; a table of two columns, or of three "
+    "without names, has "
+    "them in this order. r is needed for --height top only. For points in pixels, whose y is the row of a "
+    "picture, give --y-axis "
     "down. The pile is found wherever it is, on any ground. A point that lies below another by more than 57 "
     "degrees is inside; n_cells points are left as the surface. A flank is what lies between the lowest and "
     "the highest tenth of the surface, n_occupied points. Two flanks have their rows, ok_left and ok_right, "

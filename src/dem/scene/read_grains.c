@@ -60,31 +60,13 @@ static rp_status read_cell(const rp_table *table, size_t row, int column, const 
                      table->places[row].line);
 }
 
-/* Its first row is shown, since that is what one looks for in the file. */
-static rp_status refuse_nameless(const rp_table *t)
-{
-    char row[128] = "";
-    size_t used = 0;
-    double first, next;
-    for (size_t c = 0; c < t->n_columns && used < sizeof row; c++)
-        used +=
-            (size_t)snprintf(row + used, sizeof row - used, "%s%.20s", c ? " " : "", rp_cell(t, 0, (int)c));
-    const bool counts = t->n_rows > 1 && t->n_columns > 3 && rp_text_number(rp_cell(t, 0, 0), &first) &&
-                        rp_text_number(rp_cell(t, 1, 0), &next) && next == first + 1.0;
-    return rp_fail(
-        RP_BAD_INPUT,
-        "%s:%zu: no names of columns above the first row \"%s\"; what are they? Write a line as \"%sx y r\" "
-        "above it%s",
-        RP_PLACE(t, 0), row, counts ? "index " : "", counts ? " (the first column counts the rows)" : "");
-}
-
 static rp_status read_particles_table(const rp_table *table, dem_scene *scene)
 {
     enum { N = 9 }; /* keys of a grain */
     const rp_param *keys = SCHEMA(PARTICLES);
     int columns[N];
     if (table->n_rows == 0) return rp_fail(RP_BAD_INPUT, "%s: no particles", table->path);
-    if (!table->names[0]) return refuse_nameless(table);
+    if (!table->names[0]) return rp_table_nameless(table);
     for (int c = 0; c < N; c++) {
         const rp_status found =
             rp_table_find(table, keys[c].name, "x y r, and m vx vy angle omega fixed as needed", &columns[c]);
