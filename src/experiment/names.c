@@ -131,7 +131,8 @@ static bool is_same(const char *of, const char *name)
 {
     const char *dot = of ? strrchr(of, '.') : NULL;
     const size_t n = strlen(name);
-    return of && (strcmp(dot ? dot + 1 : of, name) == 0 || (strncmp(of, name, n) == 0 && strchr(".(", of[n])));
+    return of &&
+           (strcmp(dot ? dot + 1 : of, name) == 0 || (strncmp(of, name, n) == 0 && strchr(".(", of[n])));
 }
 
 rp_status exp_check_meaning(const config_setting_t *setting, const char *what, const char *name,

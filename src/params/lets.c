@@ -72,7 +72,7 @@ static rp_status read_let(const rp_lets *lets, rp_let *let)
     return RP_OK;
 }
 
-rp_status rp_let_read(rp_let *let, const rp_lets *lets)
+static rp_status read_once(rp_let *let, const rp_lets *lets)
 {
     const char *meaning = rp_name_meaning(let->name);
     if (let->state == RP_LET_READ) return RP_OK;
@@ -90,7 +90,7 @@ rp_status rp_let_read(rp_let *let, const rp_lets *lets)
 rp_status rp_lets_read(config_setting_t *root, rp_lets *lets)
 {
     rp_arena_end(&lets->arena);
-    lets->n = 0;
+    lets->n = 0, lets->read = read_once;
     lets->names = (rp_x_names){.host = lets, .find = rp_lets_find, .list = rp_lets_list, .call = lets->call};
     for (int k = 0; k < RP_LET_CONSTANTS; k++) lets->constants[k] = NAN;
     config_setting_set_hook(root, lets);
@@ -107,7 +107,7 @@ rp_status rp_lets_read(config_setting_t *root, rp_lets *lets)
         if (config_setting_is_group(setting)) RP_TRY(read_group(setting, lets->foreign, let));
     }
     for (rp_let *let = lets->lets; let < lets->lets + lets->n; let++)
-        if (rp_let_read(let, lets)) return rp_config_fail(let->value, "let.%s: %s", let->name, rp_message());
+        if (read_once(let, lets)) return rp_config_fail(let->value, "let.%s: %s", let->name, rp_message());
     return RP_OK;
 }
 

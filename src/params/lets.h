@@ -21,9 +21,11 @@ typedef struct {
 enum { RP_PLACE_BYTES = 256 };
 typedef enum { RP_LET_D, RP_LET_M, RP_LET_G, RP_LET_DT, RP_LET_CONSTANTS } rp_let_constant;
 
-typedef struct {
+typedef struct rp_lets {
     rp_arena arena;
     size_t n;
+    /* Read one, unless it has been read: where another one asks for it. Errors: RP_BAD_INPUT. */
+    rp_status (*read)(rp_let *let, const struct rp_lets *lets);
     bool foreign; /* values are given in other units than the text is written in */
     rp_let *lets;
     double constants[RP_LET_CONSTANTS]; /* NAN: not known yet */
@@ -43,9 +45,6 @@ typedef struct {
  * RP_BAD_INPUT (names that are taken, values that are none, out of their range). */
 rp_status rp_lets_read(config_setting_t *root, rp_lets *lets);
 void rp_lets_end(rp_lets *lets);
-
-/* Read one, unless it has been read: where another one asks for it. Errors: RP_BAD_INPUT. */
-rp_status rp_let_read(rp_let *let, const rp_lets *lets);
 
 /* Add a place to a text of places: as NAME = { KEY = ...; }, or after the first by its name. */
 void rp_put_place(char text[RP_PLACE_BYTES], size_t *used, const char *name, const char *key,

@@ -44,7 +44,7 @@ rp_status rp_lets_find(void *host, const char *name, int n_args, rp_x_symbol *sy
     if (n_args >= 0) return RP_OK;
     for (rp_let *let = lets->lets; let < lets->lets + lets->n; let++) {
         if (strcmp(let->name, name) != 0) continue;
-        RP_TRY(rp_prefix(rp_let_read(let, lets), "let.%s: ", name));
+        RP_TRY(rp_prefix(lets->read(let, lets), "let.%s: ", name));
         return *symbol = let->is, *known = true, RP_OK;
     }
     for (rp_let_constant k = 0; k < RP_LET_CONSTANTS; k++) {

@@ -1,7 +1,6 @@
 /* The keys of a scene file: schemas of its groups, and of the parts that several read. */
 #include <ctype.h>
 #include <stddef.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "dem/scene/file.h"
@@ -207,33 +206,6 @@ const dem_scene_group dem_scene_schemas[] = {
      "of several, each of which if = \"CONDITION\" may leave out; radii = ( [r, share], ... ) of a table; "
      "polygon = ( [x, y], ... ) that the centres lie in, of the region"},
     {0}};
-
-/* The first is written as in a file. */
-bool dem_place(const char *key, char text[RP_PLACE_BYTES])
-{
-    size_t used = 0;
-    char group[16];
-    for (const dem_named_key *k = dem_named_keys; k->key; k++) { /* by another name */
-        const char *dot = strchr(k->key, '.');
-        if (!dot || strcmp(k->param.name, key) != 0 || strcmp(dot + 1, key) == 0) continue;
-        snprintf(group, sizeof group, "%.*s", (int)(dot - k->key), k->key);
-        rp_put_place(text, &used, group, dot + 1, "{ }");
-    }
-    for (const dem_scene_group *g = dem_scene_schemas; g->name && used < RP_PLACE_BYTES; g++) {
-        const bool top = g->schema == top_schema,
-                   list = g->schema == wall_schema || g->schema == particle_schema;
-        const char *also = top                        ? dem_scene_others
-                           : g->schema == wall_schema ? dem_wall_others
-                           : g->schema == fill_schema ? "radii polygon"
-                                                      : "";
-        if (rp_params_find(g->schema, key) || rp_word_index(also, key) >= 0)
-            rp_put_place(text, &used, top ? "the file itself, outside all groups" : g->name, key,
-                         top    ? ""
-                         : list ? "( )"
-                                : "{ }");
-    }
-    return used > 0;
-}
 
 rp_status dem_is_wanted(const config_setting_t *group, bool *wanted)
 {

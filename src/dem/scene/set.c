@@ -144,6 +144,33 @@ const dem_named_key dem_named_keys[] = {
     DEM_GRAIN_PARAMS(OF_TOP) DEM_NORMAL_PARAMS(OF_NORMAL) DEM_TANGENTIAL_PARAMS(OF_TANGENTIAL)
         DEM_ROLLING_PARAMS(OF_ROLLING) DEM_RADIUS_PARAMS(OF_FILL){{0}, NULL}};
 
+/* The first is written as in a file. */
+bool dem_place(const char *key, char text[RP_PLACE_BYTES])
+{
+    size_t used = 0;
+    char group[16];
+    for (const dem_named_key *k = dem_named_keys; k->key; k++) { /* by another name */
+        const char *dot = strchr(k->key, '.');
+        if (!dot || strcmp(k->param.name, key) != 0 || strcmp(dot + 1, key) == 0) continue;
+        snprintf(group, sizeof group, "%.*s", (int)(dot - k->key), k->key);
+        rp_put_place(text, &used, group, dot + 1, "{ }");
+    }
+    for (const dem_scene_group *g = dem_scene_schemas; g->name && used < RP_PLACE_BYTES; g++) {
+        const bool top = g->schema == SCHEMA(TOP),
+                   list = g->schema == SCHEMA(WALLS) || g->schema == SCHEMA(PARTICLES);
+        const char *also = top                          ? dem_scene_others
+                           : g->schema == SCHEMA(WALLS) ? dem_wall_others
+                           : g->schema == SCHEMA(FILL)  ? "radii polygon"
+                                                        : "";
+        if (rp_params_find(g->schema, key) || rp_word_index(also, key) >= 0)
+            rp_put_place(text, &used, top ? "the file itself, outside all groups" : g->name, key,
+                         top    ? ""
+                         : list ? "( )"
+                                : "{ }");
+    }
+    return used > 0;
+}
+
 /* Put "group.key=value" or "list[0].key=value" into the tree that was read, instead of what stands there. */
 rp_status dem_text_change(dem_text *scene, const char *text)
 {
