@@ -27,8 +27,8 @@
 /* Does an option say that it is required, or its default? Those of texts that may be left out say neither. */
 static bool is_whole(const rp_param *p)
 {
-    static const char *const without[] = {"where", "set",   "o",     "outline", "disks",
-                                          "from",  "color", "shard", "start"};
+    static const char *const without[] = {"where", "set",   "o",     "outline", "disks", "from",
+                                          "color", "shard", "start", "x",       "y"};
     const size_t length = strlen(p->name);
     bool whole = p->type == RP_BOOL || !p->fallback || *p->fallback;
     for (size_t k = 0; k < sizeof without / sizeof *without; k++) whole |= strcmp(p->name, without[k]) == 0;
@@ -449,7 +449,8 @@ static void test_outline(void)
     for (size_t k = 0; k < 3; k++) {
         write_text("outline.csv", "%s\n1,0,5\n2,1,4\n3,2,3\n4,3,2\n5,4,1\n6,5,0\n", names[k]);
         if (k < 2) PRINTS("\n1\t1\t", "angle slope outline.csv");
-        if (k == 2) FAILS(65, "no column \"x\"; found: id a b", "angle slope outline.csv");
+        if (k == 2)
+            FAILS(65, "no column \"x\"; expected header: x y; found: id a b", "angle slope outline.csv");
     }
     write_text("outline.csv", "0.5 9 0.3\n1.5 8 0\n2.5 7 0.7\n");
     FAILS(65, "outline.csv:2: r = 0: out of range", "angle slope outline.csv --width 5");

@@ -50,7 +50,7 @@ static const char *const texts[] = {
     "    { if = `n > 2`; name = `more`; steps = 5; add = { x = 7.0; y = (1.0, 9.0); r = 0.1; }; },\n"
     "    { name = `most`; steps = 5; add = { x = 8.0; y = 9.0; radius_law = `table`; radii = ( (0.1, 1.0), "
     "(0.11, 2.0) ); }; } ); },\n"
-    "  { name = `last`; open = `gate`; walls = { lid = { load_y = -10.0; load_x = 1.0; speed = 50.0; }; ring "
+    "  { name = `ending`; open = `gate`; walls = { lid = { load_y = -10.0; load_x = 1.0; speed = 50.0; }; ring "
     "= "
     "{ omega = 1.0; }; };\n"
     "    steps = 50; },\n"
