@@ -176,7 +176,7 @@ static void files(void)
     CU_ASSERT(v.a == 7.0 && isinf(v.b) && v.n == 5);
     CHECK_FAILS(read_text("a = 1.0;\nc = 2;", &v), RP_BAD_INPUT, ":2: c: unknown key");
     CHECK_FAILS(read_text("a = 1.0;\n\na = 2.0;", &v), RP_BAD_INPUT, ":3: duplicate setting name");
-    CHECK_FAILS(read_text("n = 2.0;", &v), RP_BAD_INPUT, ":1: n = 2: a whole number expected");
+    CHECK_FAILS(read_text("n = 2.5;", &v), RP_BAD_INPUT, ":1: n = 2.5: a whole number expected");
     CHECK_FAILS(read_text("a = \"2.0\";", &v), RP_BAD_INPUT, ":1: a = \"2.0\": a number expected");
     CHECK_FAILS(read_text("a = true;", &v), RP_BAD_INPUT, "a = true: a number expected");
     CHECK_FAILS(read_text("flag = 1;", &v), RP_BAD_INPUT, "flag = 1: true or false expected");

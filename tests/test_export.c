@@ -111,7 +111,8 @@ static void test_sweep(void)
 static void test_back(void)
 {
     write_text("back.cfg",
-               "dt = 2e-5; particles = ( { x = 0.0; y = 9.0; r = 0.1; }, { x = 1.0; y = 9.0; r = 0.1; } );\n"
+               "y_min = -9.0; dt = 2e-5; particles = ( { x = 0.0; y = 9.0; r = 0.1; }, { x = 1.0; y = 9.0; r "
+               "= 0.1; } );\n"
                "output = { states = 20; energy = 20; };\n"
                "phases = ( { name = \"a\"; steps = 40; }, { name = \"b\"; steps = 45; },\n"
                "  { name = \"c\"; from = \"a\"; steps = 30; }, { name = \"d\"; steps = 0; } );\nmeasure = ( "

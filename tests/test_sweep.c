@@ -13,6 +13,7 @@
 #include "core/version.h"
 #include "dem/scene/text.h"
 #include "sweeps/engine/private.h"
+#include "table/columns.h"
 #include "tests/faults.h"
 #include "tests/protocol.h"
 #include "tests/folder.h"
@@ -1154,7 +1155,7 @@ static void test_columns(void)
         for (; (*p)->outputs[outputs].name && n < 256; outputs++) names[n++] = (*p)->outputs[outputs].name;
         CU_ASSERT((outputs > 0 || (*p)->text) && outputs <= SWEEP_MAX_OUTPUTS);
         for (size_t i = 0; i < n; i++) {
-            CU_ASSERT(!sweep_column_is_taken(names[i]));
+            CU_ASSERT(rp_word_index(RP_SWEEP_COLUMNS, names[i]) < 0);
             for (size_t j = 0; j < i; j++) CU_ASSERT(strcmp(names[i], names[j]) != 0);
         }
     }

@@ -43,11 +43,6 @@ const char *cli_argument(const cli_call *call, int i);
 void *cli_value(const cli_call *call, const char *name);
 bool cli_given(const cli_call *call, const char *name);
 
-/* A file that the program brings along, as "sweeps/lh/lh3.cfg", by this name in the current folder; else in
- * the data folder. That is the one REPOSE_DATA names; where it is not set, ../share/repose next to the
- * program, or the source that the program was built in. The name itself where there is no such file. */
-const char *cli_data(rp_arena *arena, const char *name);
-
 /* Start a table with provenance; cli_table notes the numbers and words among the options' values too. */
 void cli_provenance(const cli_call *call, FILE *out);
 void cli_table(const cli_call *call, FILE *out);

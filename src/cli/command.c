@@ -63,7 +63,7 @@ static rp_status read_tables(const cli_call *call, rp_table **table)
 {
     rp_table *next;
     for (int i = 0; i < call->n_arguments; i++) {
-        RP_TRY(rp_table_load(call->arena, cli_data(call->arena, cli_argument(call, i)), &next));
+        RP_TRY(rp_table_load(call->arena, rp_data(call->arena, cli_argument(call, i)), &next));
         if (*table) RP_TRY(rp_table_append(*table, next));
         if (!*table) *table = next;
     }

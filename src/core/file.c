@@ -80,11 +80,30 @@ bool rp_file_sync_folder(const char *path)
     return good;
 }
 
-bool rp_program(char path[], size_t size)
+/* The file of this program; false where the system does not tell. */
+static bool program_file(char path[], size_t size)
 {
     const ssize_t n = readlink("/proc/self/exe", path, size - 1);
     path[n > 0 ? n : 0] = '\0';
     return n > 0;
+}
+
+const char *rp_data(rp_arena *arena, const char *name)
+{
+    /* next to the program: where it is installed, then the source above its build folder */
+    static const char *const beside[] = {"../share/repose", "..", "../..", NULL};
+    const char *const set[] = {".", NULL}, *folder = getenv("REPOSE_DATA"), *path;
+    char program[PATH_MAX];
+    if (*name == '/' || access(name, F_OK) == 0) return name;
+    const bool is_set = folder && *folder;
+    if (!is_set && !program_file(program, sizeof program)) return name;
+    if (!is_set) *strrchr(program, '/') = '\0';
+    for (const char *const *sub = is_set ? set : beside; *sub; sub++) {
+        if (rp_path(arena, &path, "%s/%s/%s", is_set ? folder : program, *sub, name)) continue;
+        char *real = realpath(path, NULL);
+        if (real) return rp_arena_keep(arena, real, free);
+    }
+    return name;
 }
 
 bool rp_ends_in(const char *text, const char *end)

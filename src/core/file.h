@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-#include "core/status.h"
+#include "core/arena.h"
 
 RP_C_BEGIN
 
@@ -28,8 +28,10 @@ bool rp_file_sync_folder(const char *path);
  * Errors: RP_BAD_INPUT (cannot be read, more than 1 GB, a byte 0), RP_NO_MEMORY. */
 rp_status rp_file_read(const char *path, char **text);
 
-/* The file of this program; false, and "", where the system does not tell. */
-bool rp_program(char path[], size_t size);
+/* A file that the program brings along, as "sweeps/lh/lh3.cfg", by this name in the current folder; else in
+ * the data folder. That is the one REPOSE_DATA names; where it is not set, ../share/repose next to the
+ * program, or the source that the program was built in. The name itself where there is no such file. */
+const char *rp_data(rp_arena *arena, const char *name);
 
 /* Does a text, as a file's name, end in these letters? */
 bool rp_ends_in(const char *text, const char *end);

@@ -180,8 +180,9 @@ static rp_status enter(const rp_folder *f, bool *whole)
     else if (!same && !*whole && begun && !f->force)
         status =
             rp_fail(RP_BAD_INPUT,
-                    "%s: holds %.*s, unfinished; the command that began it continues, --force replaces it",
-                    f->part, first_line(holds), holds);
+                    "%s: holds %.*s, unfinished; the command that began it continues, --force replaces it; "
+                    "this one makes %s",
+                    f->part, first_line(holds), holds, f->holds);
     free(holds);
     if (status || *whole || (same && !listed && begun)) return status;
     RP_TRY(clear(f->part, is_file));

@@ -424,9 +424,11 @@ const char *exp_where(const exp_run *run, char *text, size_t size)
     RP_SCOPE(arena);
     if (p->ending == EXP_UNTIL && run->at.started) {
         const char *now = exp_operands(&arena, run, &p->end);
-        snprintf(text, size, "%s: %s, until %s", p->name, now ? now : "", p->end.x.text);
+        snprintf(text, size, "%s: step %ld, t = %.4g: %s, until %s", p->name, run->at.phase_step,
+                 dem_time(run->sim) - run->at.begun, now ? now : "", p->end.x.text);
     } else if (run->at.started) {
-        snprintf(text, size, "%s: step %ld of %ld", p->name, run->at.phase_step, run->at.most);
+        snprintf(text, size, "%s: step %ld of %ld, t = %.4g", p->name, run->at.phase_step, run->at.most,
+                 dem_time(run->sim) - run->at.begun);
     } else {
         snprintf(text, size, "%s", p->name);
     }

@@ -102,11 +102,15 @@ rp_status rp_config_unknown(const config_setting_t *setting, const rp_param *sch
                             const char *more)
 {
     const char *name = config_setting_name(setting);
-    char allowed[2048] = "";
+    char allowed[2048] = "", place[RP_PLACE_BYTES];
     size_t used = 0;
     rp_guess guess = rp_guess_of(name);
     rp_guess_schema(&guess, schema);
     rp_guess_words(&guess, others ? others : "");
+    const bool misspelt = *guess.nearest && guess.cost <= 2 && strlen(name) > 3; /* one letter */
+    if (!misspelt && rp_lets_place(setting, name, place))
+        return rp_config_fail(setting, "%s%s: does not belong here, but in %s",
+                              path_within(config_setting_parent(setting)), name, place);
     for (; schema->name && used < sizeof allowed; schema++)
         used += (size_t)snprintf(allowed + used, sizeof allowed - used, " %s", schema->name);
     return rp_config_fail(setting, "%s%s: unknown key%s; allowed:%s%s%s%s",
@@ -122,7 +126,7 @@ rp_status rp_config_scalar(const config_setting_t *setting, rp_value *value)
         *value = (rp_value){.kind = RP_V_INT, .i = (long)config_setting_get_int64(setting)};
         break;
     case CONFIG_TYPE_FLOAT:
-        *value = (rp_value){.kind = RP_V_REAL, .r = config_setting_get_float(setting)};
+        *value = (rp_value){.kind = RP_V_REAL, .r = config_setting_get_float(setting) + 0.0}; /* -0 is 0 */
         break;
     case CONFIG_TYPE_BOOL:
         *value = (rp_value){.kind = RP_V_BOOL, .i = config_setting_get_bool(setting)};
@@ -145,6 +149,8 @@ static rp_status set_computed(const config_setting_t *setting, const rp_param *p
     const bool word = param->type == RP_CHOICE;
     RP_TRY(word && !rp_lets_has(setting, text) && !strpbrk(text, "?'(") ? RP_NO_RESULT
                                                                         : rp_lets_value(setting, text, &is));
+    if (param->type == RP_INT && fabs(is.value - round(is.value)) <= 1e-9 * fabs(is.value))
+        is.value = round(is.value); /* a quotient of times */
     const rp_value value = rp_x_value(is.type, is.value, is.word);
     if (!isfinite(is.value) && param->type == RP_REAL) { /* what is infinite has its word, if there is one */
         char spelt[64];

@@ -83,6 +83,9 @@ int rp_table_column(const rp_table *table, const char *name);
  * table has. Errors: RP_BAD_INPUT. */
 rp_status rp_table_find(const rp_table *table, const char *name, const char *expected, int *column);
 
+/* Refuse a table of grains without names of columns: RP_BAD_INPUT, with its first row. */
+rp_status rp_table_nameless(const rp_table *table);
+
 /* The text of the header line "# key: text", or NULL, and that of the next such line. Only for tables with
  * rows. */
 const char *rp_table_find_note(const rp_table *table, const char *key);

@@ -301,7 +301,7 @@ static rp_status write_sweep(const sweep_problem *s, const sweep_group *g, const
     FILE *out;
     if (strcmp(g->kind, "experiment") == 0) {
         RP_TRY(beside(s, g->source, &source));
-        if (!realpath(s->find(s->arena, source), real))
+        if (!realpath(rp_data(s->arena, source), real))
             return rp_fail(RP_BAD_INPUT, "experiment = \"%s\": no such file", source);
         source = real;
     }

@@ -23,7 +23,7 @@
 
 CLI_OPTIONS(slope, SLOPE_OPTIONS)
 
-/* Columns by name, if the table has one of the names, else the first ones. Radii are read where the table has
+/* Columns by name, unless there are only so many. Radii are read where the table has
  * them, if they are useful. */
 static rp_status read_grains(rp_arena *arena, rp_table *t, const slope_options *o, bool *with_r,
                              double **block)
@@ -37,15 +37,13 @@ static rp_status read_grains(rp_arena *arena, rp_table *t, const slope_options *
             if (t->names[i] && strcasecmp(t->names[i], first[c]) == 0) t->names[i] = first[c];
         named |= rp_table_column(t, first[c]) >= 0;
     }
+    if (!named && !t->names[0] && t->n_columns > 3) return rp_table_nameless(t);
+    named |= t->names[0] && t->n_columns > 2; /* which are to be x and y */
     *with_r = needs_r || (useful && (named ? rp_table_column(t, "r") >= 0 : t->n_columns >= 3));
     const size_t n = *with_r ? 3 : 2;
     if (!named && t->n_columns < n)
         return rp_fail(RP_BAD_INPUT, "%s: %zu columns, at least %zu (%s) needed", t->path, t->n_columns, n,
                        *with_r ? "x y r" : "x y");
-    if (!named && t->names[0] && t->n_columns > 2)
-        fprintf(stderr,
-                "repose angle slope: %s: no columns x and y; the columns %s and %s are used instead\n",
-                t->path, t->names[0], t->names[1]);
     for (size_t c = 0; !named && c < n; c++) t->names[c] = first[c];
     return rp_columns_read(arena, t, *with_r ? "x,y,r" : "x,y", block);
 }
@@ -123,6 +121,19 @@ static rp_status slope_of_box(size_t n, const double *block, bool with_r, const 
     return status ? status : ang_slopes(s.n, s.column, s.h, s.cell, options.parabola, pile->flank[0]);
 }
 
+/* There is no pile: a hint if there is one where y counts downward. */
+static rp_status try_downward(size_t n, double *block, const slope_options *o)
+{
+    ang_pile pile;
+    char why[512];
+    snprintf(why, sizeof why, "%s", rp_message());
+    for (size_t i = n; i < 2 * n; i++) block[i] = -block[i];
+    const bool found = !ang_pile_find(n, block, block + n, (double[]){o->from, o->to}, &pile);
+    return rp_fail(RP_NO_RESULT, "%s%s", why,
+                   found ? "; as rows of a picture, whose y counts downward, there is one: --y-axis down"
+                         : "");
+}
+
 static rp_status slope_of_table(cli_call *call, rp_table *table, const void *values)
 {
     const slope_options *o = values;
@@ -146,9 +157,13 @@ static rp_status slope_of_table(cli_call *call, rp_table *table, const void *val
     for (size_t i = 0; i < n && !box && o->height == ANG_TOP; i++) block[n + i] += block[2 * n + i];
     rp_status status = box ? slope_of_box(n, block, with_r, o, cell, &pile)
                            : ang_pile_find(n, block, block + n, (double[]){o->from, o->to}, &pile);
+    if (!box && status == RP_NO_RESULT && !cli_given(call, "y-axis")) status = try_downward(n, block, o);
     if (!status && pile.n_flanks == 2 && pile.flank[0][1].slope > 0.0 && !cli_given(call, "y-axis"))
         status = rp_fail(RP_NO_RESULT, "a valley, two flanks that fall inwards: give --y-axis down if y "
                                        "counts downward, as the rows of a picture do, or else --y-axis up");
+    if (!box && pile.n_stray > 0 && !status)
+        fprintf(stderr, "repose angle slope: %s: %zu stray points beside the pile are left out\n",
+                table->path, pile.n_stray);
     rp_prefix(status, "%s: %s", table->path, box ? "" : "choose a flank with --from and --to: ");
     if (status && status != RP_NO_RESULT) return status;
     cli_table(call, call->out);
@@ -178,8 +193,9 @@ const cli_command cmd_angle_slope = {
     "The standard error follows from the scatter of h about the straight line.\n"
     "\n"
     "FILE (- for standard input) has one row for each grain, or for each point of an outline, with columns "
-    "named x y r (or X Y R), otherwise in the first three columns. r is needed only for --height top, and "
-    "for --width without --cell. For points in pixels, where y is the row of a picture, give --y-axis down.\n"
+    "named x y r (or X Y R). A table of two columns, or of three without names, has them in this order. r is "
+    "needed only for --height top, and for --width without --cell. For points in pixels, where y is the row "
+    "of a picture, give --y-axis down.\n"
     "\n"
     "Without --width, the pile is found wherever it is, on any ground. A point below another by more than 57 "
     "degrees is taken to be inside; the other n_cells points are the surface. A flank is the surface between "

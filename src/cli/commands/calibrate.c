@@ -263,10 +263,9 @@ static rp_status calibrate(cli_call *call, const void *values)
     calibration c = {.o = o};
     RP_ENDS(sweep_problem_free)
     sweep_problem s = {.arena = call->arena,
-                       .path = text ? "angle.cfg" : cli_data(call->arena, file),
+                       .path = text ? "angle.cfg" : rp_data(call->arena, file),
                        .protocols = sweep_protocols,
                        .command = call->line,
-                       .find = cli_data,
                        .run = run_sweep,
                        .context = &c,
                        .quest.tell = tell};

@@ -72,7 +72,7 @@ static rp_status export_grains(const cli_call *call, const char *source, const e
 static rp_status act_export(cli_call *call, const void *values)
 {
     const export_options *o = values;
-    const char *source = cli_data(call->arena, cli_argument(call, 0));
+    const char *source = rp_data(call->arena, cli_argument(call, 0));
     if (o->set.n > 0 && o->to != TO_LAMMPS_INPUT) return rp_fail(RP_USAGE, "--set needs --to lammps-input");
     if (o->to <= TO_JSON) return export_table(call, source, o);
     if (o->to < TO_LAMMPS_INPUT) return export_grains(call, source, o);

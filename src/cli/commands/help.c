@@ -193,11 +193,14 @@ static void print_completion(const cli_call *call)
 
 /* ---- help ---- */
 
-/* Help of the command that the arguments name, word by word. */
+/* Help of the command that the arguments name, word by word; or what the summary of this one names. */
 static rp_status help_on(cli_call call)
 {
     const cli_command *found = NULL;
     char option[] = "--help";
+    if (strcmp(*call.arguments, "manual") == 0 && !call.arguments[1]) return print_manual(&call);
+    if (strcmp(*call.arguments, "completion") == 0 && !call.arguments[1])
+        return print_completion(&call), RP_OK;
     for (char *const *word = call.arguments; *word; word++) {
         const cli_command *const *among = found ? found->group : call.program->commands,
                                  *next = among ? cli_find(among, *word) : NULL;

@@ -363,7 +363,7 @@ static rp_status check_steps(const making *m, size_t n_runs)
 static rp_status act_make(cli_call *call, const void *values)
 {
     making m = {
-        .call = call, .o = values, .file = cli_data(call->arena, cli_argument(call, 0)), .end = &m.first};
+        .call = call, .o = values, .file = rp_data(call->arena, cli_argument(call, 0)), .end = &m.first};
     rp_status status = sweep_recipe_read(m.file, &m.recipe);
     if (!status) status = read_list(&m, "trace", read_trace);
     if (!status) status = read_list(&m, "derive", read_derive);

@@ -150,7 +150,7 @@ static rp_status print_all(cli_call *call, const void *values)
     const params_options *o = values;
     const char *name = cli_argument(call, 0);
     bool found = false;
-    if (name && rp_ends_in(name, ".cfg")) return file_rows(call, cli_data(call->arena, name));
+    if (name && rp_ends_in(name, ".cfg")) return file_rows(call, rp_data(call->arena, name));
     call->units = (rp_units)o->units;
     for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
         if (name && strcmp(name, (*p)->name) != 0) continue;

@@ -147,6 +147,7 @@ static rp_status start(a_run *r)
 {
     const dem_scene *scene = exp_scene(r->plan);
     dem_counts now;
+    dem_state falling;
     if (r->o->ledger) exp_with_ledger(r->plan);
     RP_TRY(run_start(r->plan, r->seed, r->stream, &r->driver));
     const exp_run *run = r->driver.run;
@@ -158,6 +159,13 @@ static rp_status start(a_run *r)
              dem_has_spring(scene->def.tangential))
         r->of.start =
             "grains touch, and their tangential springs begin at 0; a bed at rest needs contacts_file";
+    RP_TRY(dem_first_falling(scene, exp_sim(run), &falling));
+    if (falling.id)
+        r->of.start = rp_text(
+            r->of.call.arena,
+            "grain %u at x = %g, y = %g falls for ever: no wall or fixed grain is below it, and no "
+            "x_min, x_max or y_min removes it%s%s",
+            falling.id, falling.x, falling.y, r->of.start ? "; " : "", r->of.start ? r->of.start : "");
     if (r->of.start && !r->o->quiet) fprintf(stderr, "repose run: %s: %s\n", r->path, r->of.start);
     r->driver.threads = (size_t)r->o->j;
     if (r->plain) cli_looks_scene(&r->looks, scene, exp_sim(run));
@@ -287,7 +295,7 @@ static rp_status is_sweep(const char *path, bool *sweep)
 static rp_status run_any(cli_call *call, const void *values)
 {
     const run_options *o = values;
-    const char *path = cli_data(call->arena, cli_argument(call, 0));
+    const char *path = rp_data(call->arena, cli_argument(call, 0));
     RP_ENDS(free_run)
     a_run r = {.o = o,
                .path = path,

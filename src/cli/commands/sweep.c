@@ -14,7 +14,7 @@ static rp_status act_plan(cli_call *call, const void *values)
     const plan_options *o = values;
     sweep_counts counts;
     RP_TRY(cli_claim_sweep(o->o, cli_argument(call, 0), o->force));
-    RP_TRY(sweep_prepare(cli_data(call->arena, cli_argument(call, 0)), o->o,
+    RP_TRY(sweep_prepare(rp_data(call->arena, cli_argument(call, 0)), o->o,
                          o->replicas > 0 ? (size_t)o->replicas : 0, sweep_protocols, &counts));
     fprintf(call->out, "%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", o->o,
             counts.planned, counts.points, counts.replicas, counts.stored);

@@ -39,6 +39,8 @@ static const rp_param top_schema[] = {
      "table with columns x y r and, if wanted, m vx vy angle omega fixed; instead of `particles`"},
     {"particles_step", "", RP_INT, AT(dem_scene, particles_step), "last", "[0, 2147483647] | last",
      "step of the table, which may have several"},
+    {"compressed", "", RP_BOOL, AT(dem_scene, compressed), "false", "",
+     "whether listed grains may overlap by more than a tenth of the radius, as a packing under pressure"},
     {"contacts_file", "", RP_TEXT, AT(dem_scene, contacts_file), "", "",
      "table contacts.tsv beside the states.tsv of `particles_file`, whose springs then go on; without it "
      "they begin at 0, and a bed at rest moves"},
@@ -168,6 +170,10 @@ static const rp_param fill_schema[] = {
 const char dem_scene_others[] =
     "let material gravity normal tangential rolling walls particles fill ground hard implicit phases "
     "measure regions rest result seed run output require";
+
+/* corner_lower and corner_upper joined walls before all walls that meet were joined */
+const char dem_wall_others[] =
+    "point direction extent polygon circle velocity pivot corner_lower corner_upper";
 
 const dem_scene_group dem_scene_schemas[] = {
     {"scene", top_schema, "what all grains share, and the run; gravity = [gx, gy] (cm/s^2)"},

@@ -101,13 +101,10 @@ static rp_status use_material(const config_setting_t *setting, const dem_scene *
 static rp_status read_entry(rp_arena *arena, const config_setting_t *setting, dem_scene *scene,
                             dem_wall_entry *entry)
 {
-    /* corner_lower and corner_upper joined walls before all walls that meet were joined */
-    static const char others[] =
-        "point direction extent polygon circle velocity pivot corner_lower corner_upper";
     static const char *const of_line[] = {"point", "direction", "extent"};
     *entry = (dem_wall_entry){.line.extent = {-INFINITY, INFINITY}};
     rp_params_defaults(SCHEMA(WALLS), scene->def.units, entry);
-    RP_TRY(rp_config_group(setting, SCHEMA(WALLS), entry, others));
+    RP_TRY(rp_config_group(setting, SCHEMA(WALLS), entry, dem_wall_others));
     RP_TRY(dem_read_name(&scene->arena, setting, "name", &entry->name));
     RP_TRY(use_material(setting, scene, entry));
     const config_setting_t *polygon = member(setting, "polygon"), *circle = member(setting, "circle"),
