@@ -78,7 +78,7 @@ $(LIBRARY) $(B)/libframe.a:
 	@rm -f $@ && ar qcs $@ $^
 $(REPOSE): $(CLI) $(LIBRARY)
 $(REPORT): $(REPORTER) $(B)/libframe.a $(LIBRARY)
-$(B)/check: $(CHECK) $(LIBRARY) | $(B)/core
+$(B)/check: $(CHECK) $(LIBRARY) | $(if $(findstring fuzzer,$(SAN)),,$(B)/core)
 $(REPOSE) $(REPORT) $(B)/check:
 	@echo "link    $@" && $(CC) $(CFLAGS) $^ $(if $(filter %/check,$@),$$(pkg-config --libs cunit)) $(LIBS) -o $@
 

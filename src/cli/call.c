@@ -4,7 +4,6 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 const char *cli_argument(const cli_call *call, int i)
 {
@@ -30,7 +29,7 @@ const char *cli_data(rp_arena *arena, const char *name)
     static const char *const beside[] = {"../share/repose", "..", "../..", NULL};
     const char *const set[] = {".", NULL}, *folder = getenv("REPOSE_DATA"), *path;
     char program[PATH_MAX];
-    if (*name == '/' || access(name, F_OK) == 0) return name;
+    if (*name == '/' || rp_is_there(name)) return name;
     const bool is_set = folder && *folder;
     if (!is_set && !rp_program(program, sizeof program)) return name;
     if (!is_set) *strrchr(program, '/') = '\0';
@@ -38,6 +37,7 @@ const char *cli_data(rp_arena *arena, const char *name)
         if (rp_path(arena, &path, "%s/%s/%s", is_set ? folder : program, *sub, name)) continue;
         char *real = realpath(path, NULL);
         if (real) return rp_arena_keep(arena, real, free);
+        if (rp_is_there(path)) return path;
     }
     return name;
 }

@@ -162,7 +162,7 @@ static rp_status read(exp_plan *plan)
         return rp_config_fail(config_lookup(&text->config, "steps"),
                               "steps: a text with phases ends with their last");
     RP_TRY(read_result(plan));
-    for (const rp_let *let = text->lets.lets; let < text->lets.lets + text->lets.n; let++)
+    for (const rp_let *let = text->lets.lets; text->lets.n && let < text->lets.lets + text->lets.n; let++)
         if (exp_observable_named(let->name, ~(unsigned)OF_NEW)) /* whose name stands alone too */
             return rp_config_fail(config_lookup(&text->config, "let"), "let.%s: is an observable", let->name);
     RP_NEW(&plan->arena, plan->scopes,

@@ -42,8 +42,8 @@ static rp_status read_grains(rp_arena *arena, rp_table *t, const slope_options *
         return rp_fail(RP_BAD_INPUT, "%s: %zu columns, at least %zu (%s) needed", t->path, t->n_columns, n,
                        *with_r ? "x y r" : "x y");
     if (!named && t->names[0] && t->n_columns > 2)
-        fprintf(stderr, "repose angle slope: %s: no columns x, y: taken instead: %s, %s\n", t->path,
-                t->names[0], t->names[1]);
+        cli_say("repose angle slope: %s: no columns x, y: taken instead: %s, %s", t->path, t->names[0],
+                t->names[1]);
     for (size_t c = 0; !named && c < n; c++) t->names[c] = first[c];
     return rp_columns_read(arena, t, *with_r ? "x,y,r" : "x,y", block);
 }
@@ -54,9 +54,9 @@ static void warn_negative(const cli_call *call, const ang_slope slopes[ANG_N_MET
     bool negative = !cli_given(call, "y-axis");
     for (int i = 0; i < ANG_N_METHODS; i++) negative &= slopes[i].slope < 0.0;
     if (negative)
-        fputs("repose angle slope: the angles are negative: the surface falls to the left (--y-axis up tells "
-              "so), or y counts downward, as the rows of a picture do (--y-axis down)\n",
-              stderr);
+        cli_say(
+            "repose angle slope: the angles are negative: the surface falls to the left (--y-axis up tells "
+            "so), or y counts downward, as the rows of a picture do (--y-axis down)");
 }
 
 /* Without slopes: rows without result. */
@@ -114,9 +114,8 @@ static rp_status slope_of_box(size_t n, const double *block, bool with_r, const 
             s.n_occupied, s.n_cells, left, lowest, s.cell);
     if (!status && (4 * s.n_occupied < 3 * s.n_cells || gsl_stats_min(x, 1, n) < 0.0 ||
                     (!ang_pile_find(n, x, y, (double[]){0.0, o->width}, pile) && pile->n_flanks == 2)))
-        fputs("repose angle slope: a box leaves out x < 0, its empty cells have height 0, and it has one "
-              "flank; without --width the pile is found wherever it is\n",
-              stderr);
+        cli_say("repose angle slope: a box leaves out x < 0, its empty cells have height 0, and it has one "
+                "flank; without --width the pile is found wherever it is");
     *pile = (ang_pile){.n = s.n_cells, .n_flanks = 1, .n_flank = {s.n_occupied}};
     return status ? status : ang_slopes(s.n, s.column, s.h, s.cell, options.parabola, pile->flank[0]);
 }
