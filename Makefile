@@ -96,7 +96,7 @@ sizes: ## lines, code and semicolons of each room, and of core, tools and papers
 check: | $(SETUP_FIRST) ## unit tests and fast validation, with sanitizers and plain
 	@$(MAKE) --no-print-directory -j$(JOBS) $(REPOSE) $(REPORT) $(B)/check $(addprefix $(B)/figures/,li13.svg li14.svg li18.svg li19.svg)
 	@REPOSE=$(REPOSE) env --default-signal=INT,QUIT $(B)/check -j$(JOBS) >$(B)/check.log 2>&1 & plain=$$!; \
-	trap 'kill $$plain; exit 1' INT TERM; $(MAKE) --no-print-directory lint asan; others=$$?; wait $$plain; plain=$$?; \
+	trap 'kill $$plain; exit 1' INT TERM; $(MAKE) --no-print-directory lint analyze-readers asan; others=$$?; wait $$plain; plain=$$?; \
 	echo "check   plain"; cat $(B)/check.log; [ $$others$$plain = 00 ] || { echo "check   failed" >&2; exit 1; }
 # Most of a short process would be its start: fixed addresses and static sanitizers need few relocations.
 SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all -static-libasan -static-libubsan -fno-pie -no-pie -g1 -O2 -ftrivial-auto-var-init=pattern

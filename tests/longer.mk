@@ -1,9 +1,11 @@
 # What takes long, or needs programs that `make setup` does not install.
-.PHONY: fuzz analyze drill changes mutate check-readers check-arm64 check-report studies
+.PHONY: fuzz analyze analyze-readers drill changes mutate check-readers check-arm64 check-report studies
 fuzz: ## every reader by libFuzzer, with clang: make fuzz FOR=60 (seconds each), FOR=runs=100000, TARGETS='scene line'
 	@sh tests/fuzz/fuzz.sh $(B) $(or $(FOR),60) $(JOBS) $(TARGETS)
 analyze: $(REPOSE) ## gcc -fanalyzer, cppcheck, clang-tidy, scan-build, valgrind, against the list in tests/analyze.txt
 	@sh tests/analyze.sh $(B) $(JOBS)
+analyze-readers:
+	@sh tests/analyze.sh $(B) $(JOBS) readers
 drill: $(B)/check $(REPOSE) $(REPORT) ## 2000 kills (KILLS=) and every other failure done to sweeps, the matrix of determinism, and `make changes`
 	@RP_DRILL=$(or $(KILLS),2000) REPOSE=$(REPOSE) $(B)/check drill && sh tests/drill/matrix.sh $(B) && sh tests/changes/changes.sh $(B)
 changes: $(B)/check $(REPOSE) $(REPORT) ## small changes of each kind: each passes its suites, and none of its files can be forgotten; CHANGES='column command'
