@@ -78,7 +78,7 @@ $(LIBRARY) $(B)/libframe.a:
 	@rm -f $@ && ar qcs $@ $^
 $(REPOSE): $(CLI) $(LIBRARY)
 $(REPORT): $(REPORTER) $(B)/libframe.a $(LIBRARY)
-$(B)/check: $(CHECK) $(LIBRARY) | $(B)/core
+$(B)/check: $(CHECK) $(LIBRARY) | $(if $(findstring fuzzer,$(SAN)),,$(B)/core)
 $(REPOSE) $(REPORT) $(B)/check:
 	@echo "link    $@" && $(CC) $(CFLAGS) $^ $(if $(filter %/check,$@),$$(pkg-config --libs cunit)) $(LIBS) -o $@
 
@@ -96,7 +96,7 @@ sizes: ## count lines, code and semicolons of each layer, and of core, tools and
 check: | $(SETUP_FIRST) ## unit tests and fast validation, with sanitizers and without
 	@$(MAKE) --no-print-directory -j$(JOBS) $(REPOSE) $(REPORT) $(B)/check $(addprefix $(B)/figures/,li13.svg li14.svg li18.svg li19.svg)
 	@REPOSE=$(REPOSE) env --default-signal=INT,QUIT $(B)/check -j$(JOBS) >$(B)/check.log 2>&1 & plain=$$!; \
-	trap 'kill $$plain; exit 1' INT TERM; $(MAKE) --no-print-directory lint asan; others=$$?; wait $$plain; plain=$$?; \
+	trap 'kill $$plain; exit 1' INT TERM; $(MAKE) --no-print-directory lint analyze-readers asan; others=$$?; wait $$plain; plain=$$?; \
 	echo "check   plain"; cat $(B)/check.log; [ $$others$$plain = 00 ] || { echo "check   failed" >&2; exit 1; }
 # Most of a short process would be its start: fixed addresses and static sanitizers need few relocations.
 SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all -static-libasan -static-libubsan -fno-pie -no-pie -g1 -O2 -ftrivial-auto-var-init=pattern

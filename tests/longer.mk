@@ -1,9 +1,11 @@
 # What takes long, or needs programs that `make setup` does not install.
-.PHONY: fuzz analyze drill changes mutate check-readers check-arm64 check-report studies
+.PHONY: fuzz analyze analyze-readers drill changes mutate check-readers check-arm64 check-report studies
 fuzz: ## fuzz every reader with libFuzzer and clang: make fuzz FOR=60 (seconds each), FOR=runs=100000, TARGETS='scene line'
 	@sh tests/fuzz/fuzz.sh $(B) $(or $(FOR),60) $(JOBS) $(TARGETS)
 analyze: $(REPOSE) ## compare gcc -fanalyzer, cppcheck, clang-tidy, scan-build and valgrind with the list in tests/analyze.txt
 	@sh tests/analyze.sh $(B) $(JOBS)
+analyze-readers:
+	@sh tests/analyze.sh $(B) $(JOBS) readers
 drill: $(B)/check $(REPOSE) $(REPORT) ## fault-injection tests of sweeps, with 2000 kills (KILLS=); the matrix of determinism; `make changes`
 	@RP_DRILL=$(or $(KILLS),2000) REPOSE=$(REPOSE) $(B)/check drill && sh tests/drill/matrix.sh $(B) && sh tests/changes/changes.sh $(B)
 changes: $(B)/check $(REPOSE) $(REPORT) ## check that small changes of each kind pass, and that none of their files can be forgotten; CHANGES='column command'

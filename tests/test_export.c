@@ -323,6 +323,12 @@ static void test_vtk_files(void)
 }
 
 /* Header lines that stand again are a list; what is no header line, or has no name, is left out. */
+#define CHECK_REFUSED_JSON(text)                                                                             \
+    do {                                                                                                     \
+        FAILS(65, text, "export t.tsv --to json");                                                           \
+        CU_ASSERT(*out == '\0');                                                                             \
+    } while (0)
+
 static void test_text_files(void)
 {
     write_text("t.tsv",
@@ -344,6 +350,28 @@ static void test_text_files(void)
     FAILS(65, "two columns have one name", "export t.tsv --to json --columns x,y,x");
     write_text("t.tsv", "a\tb\ntrue\tfalse\n");
     PRINTS("{\"a\": true, \"b\": false}\n]}\n", "export t.tsv --to json");
+    /* bytes that JSON or a terminal cannot have; none is written before */
+    write_text("t.tsv", "# by: Andr\xe9\na\tb\n1\t2\n");
+    CHECK_REFUSED_JSON("t.tsv: the header is no UTF-8");
+    write_text("t.tsv", "a\tb\xb5\n1\t2\n");
+    CHECK_REFUSED_JSON("t.tsv: the header is no UTF-8");
+    PRINTS_ALL("a\n1\n", "export t.tsv --to csv --columns a");
+    PRINTS("{\"a\": 1}", "export t.tsv --to json --columns a");
+    write_text("t.tsv", "a\tb\n1\t2\n3\tm\xfc\n");
+    CHECK_REFUSED_JSON("t.tsv:3: b = \"m?\": no UTF-8");
+    PRINTS_ALL("a,b\n1,2\n3,m\xfc\n", "export t.tsv --to csv");
+    static const char *const controls[] = {"\x1b[2J", "\x07", "\x7f",
+                                           "\x9b"
+                                           "2J",
+                                           "\xc2\x9b"
+                                           "2J"};
+    for (size_t k = 0; k < sizeof controls / sizeof *controls; k++)
+        for (int place = 0; place < 3; place++) {
+            write_text("t.tsv", "# by: me%s\na\tb%s\n1\t2%s\n", place == 0 ? controls[k] : "",
+                       place == 1 ? controls[k] : "", place == 2 ? controls[k] : "");
+            FAILS(65, check_text("t.tsv:%d: no text: a control character (byte ", place + 1),
+                  "stats select t.tsv");
+        }
     /* columns without names have numbers */
     write_text("bare.txt", "1 2\n3 4\n");
     PRINTS_ALL("1,2\n1,2\n3,4\n", "export bare.txt --to csv");

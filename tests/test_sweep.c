@@ -1161,10 +1161,26 @@ static void test_columns(void)
     }
 }
 
+static void count_points(void *context, size_t checked, size_t points)
+{
+    size_t *const seen = context;
+    CU_ASSERT(checked == ++*seen && checked <= points);
+}
+
+/* Planning tells of each grid point. */
+static void test_planning_seen(void)
+{
+    size_t seen = 0;
+    sweep_counts counts;
+    fresh("replicas = 2; grid = { x = [1.0, 2.0, 3.0]; };");
+    CHECK_OK(sweep_prepare_seen(file, dir, 0, toys, count_points, &seen, &counts));
+    CU_ASSERT(seen == counts.points && seen > 1);
+}
+
 CHECK_SUITE_WITHIN(sweep, "sweep", NULL, clean, test_order, test_bundles, test_growing, test_reduce,
                    test_statuses, test_stored_once, test_stop, test_crash, test_plan_again, test_replicas,
                    test_models, test_further_output, test_bad_files, test_bad_folders, test_limits,
                    test_half_made, test_makers, test_read_only, test_literal_names, test_left_snapshots,
                    test_stop_of_all, test_shards, test_merge, test_merge_of_crashed, test_known_keys,
                    test_digest_of_rows, test_stored_columns, test_recipes, test_physics, test_cleared,
-                   test_columns)
+                   test_columns, test_planning_seen)

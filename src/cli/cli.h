@@ -47,6 +47,9 @@ bool cli_given(const cli_call *call, const char *name);
 void cli_provenance(const cli_call *call, FILE *out);
 void cli_table(const cli_call *call, FILE *out);
 
+/* A line on standard error, whatever texts of strangers it has. */
+void cli_say(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
 /* ---- commands and their options ---- */
 
 /* One option of a command is X(type, name, unit, default, range, meaning), as in rp_param: type REAL, INT,
@@ -175,6 +178,10 @@ void cli_print_counts(const cli_call *call, const sweep_counts *counts);
 /* May this sweep's file be planned in the folder? Not over another sweep, unless by `force`. Errors:
  * RP_BAD_INPUT; RP_IO. */
 rp_status cli_claim_sweep(const char *directory, const char *file, bool force);
+
+/* Plan it there, with progress. Errors: those of sweep_prepare. */
+rp_status cli_sweep_plan(const char *file, const char *directory, size_t replicas, bool quiet,
+                         sweep_counts *counts);
 #define CLI_FORCE(X)                                                                                         \
     X(BOOL, force, "", "false", "",                                                                          \
       "replace an existing file or result, or give the folder to a different sweep")

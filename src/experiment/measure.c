@@ -369,6 +369,6 @@ void exp_series_write(const exp_run *run, size_t k, FILE *out)
     }
     const char *const columns[][2] = {{"step", ""}, {"time", "s"}, {m->name, m->series_unit}};
     rp_table_columns(out, run->plan->scene.def.units, 3, columns);
-    for (const exp_sampled *at = s->at; at < s->at + s->n; at++)
+    for (const exp_sampled *at = s->at; s->n && at < s->at + s->n; at++)
         rp_table_row(out, 3, (double[]){at->step, at->time, at->value});
 }

@@ -11,7 +11,7 @@
 const exp_scope *exp_scope_named(const exp_plan *plan, unsigned sorts, const char *name, size_t length,
                                  rp_guess *guess)
 {
-    for (const exp_scope *s = plan->scopes; s < plan->scopes + plan->n_scopes; s++) {
+    for (const exp_scope *s = plan->scopes; plan->n_scopes && s < plan->scopes + plan->n_scopes; s++) {
         if (!(s->sort & sorts)) continue;
         if (strlen(s->name) == length && strncmp(s->name, name, length) == 0) return s;
         if (guess) rp_guess_try(guess, s->name);
@@ -95,7 +95,8 @@ static bool is_later(const exp_plan *plan, const exp_measure *m, size_t k)
 /* The measure with an output of this name; NULL: there is none. */
 static const exp_measure *measure_of(const exp_plan *plan, const char *name, size_t *output)
 {
-    for (const exp_measure *m = plan->measures; m < plan->measures + plan->n_measures; m++)
+    for (const exp_measure *m = plan->measures; plan->n_measures && m < plan->measures + plan->n_measures;
+         m++)
         for (*output = m->output; *output < m->output + m->n_outputs; ++*output)
             if (strcmp(plan->outputs[*output].name, name) == 0) return m;
     return NULL;
@@ -190,7 +191,7 @@ static void list(void *host, rp_guess *guess)
     rp_lets_list(&plan->text->lets, guess);
     for (const exp_observable *o = exp_observables; o->name; o++) {
         if (o->of & (asked_of(EXP_ALL) | (place->of_grain ? OF_NEW : 0))) rp_guess_try(guess, o->name);
-        for (const exp_scope *s = plan->scopes; s < plan->scopes + plan->n_scopes; s++)
+        for (const exp_scope *s = plan->scopes; plan->n_scopes && s < plan->scopes + plan->n_scopes; s++)
             if (o->of & asked_of(s->sort))
                 snprintf(name, sizeof name, "%s.%s", s->name, o->name), rp_guess_try(guess, name);
     }
@@ -264,6 +265,14 @@ rp_status exp_check_name(const exp_plan *plan, const config_setting_t *setting, 
     RP_TRY(exp_check_word(setting, what, name));
     if (!scope && !rp_lets_has(setting, name)) return RP_OK;
     return rp_config_fail(setting, "%s names %s and %s", name, scope ? sorts[scope->sort] : "a let", what);
+}
+
+rp_status exp_check_count(const config_setting_t *list, size_t n)
+{
+    enum { MOST = 10000 };
+    return n <= MOST
+               ? RP_OK
+               : rp_config_fail(list, "%s: %zu in one list; at most %d", config_setting_name(list), n, MOST);
 }
 
 rp_status exp_find(const exp_plan *plan, int sort, const config_setting_t *group, const char *key,

@@ -176,7 +176,7 @@ static void set_gravity(exp_run *run, const exp_phase *p)
 /* The motion of walls, at the phase's start; before each step where it changes. */
 static void set_motion(exp_run *run, const exp_phase *p, bool each_step)
 {
-    for (const exp_move *m = p->moves; m < p->moves + p->n_moves && !run->at.done; m++) {
+    for (const exp_move *m = p->moves; p->n_moves && m < p->moves + p->n_moves && !run->at.done; m++) {
         if (m->each_step != each_step) continue;
         const bool shifts = exp_given(&m->velocity[0]);
         const double velocity[2] = {shifts ? exp_number(run, "velocity", &m->velocity[0]) : 0.0,

@@ -316,6 +316,7 @@ rp_status exp_name_measures(exp_plan *plan)
     const config_setting_t *list = config_lookup(&plan->text->config, "measure");
     if (list && !config_setting_is_list(list))
         return rp_config_fail(list, "measure: a list ( { ... } ) expected");
+    RP_TRY(exp_check_count(list, length(list)));
     RP_NEW(&plan->arena, plan->measures, length(list));
     RP_NEW(&plan->arena, plan->outputs, length(list) * EXP_MODULE_OUTPUTS);
     RP_NEW(&plan->arena, plan->series, length(list));

@@ -405,6 +405,7 @@ rp_status exp_name_phases(exp_plan *plan)
     const config_setting_t *list = config_lookup(&plan->text->config, "phases"),
                            *fill = config_lookup(&plan->text->config, "fill");
     for (size_t k = 0; k < plan->scene.n_fills; k++) RP_TRY(name_kind(plan, fill, plan->scene.fills[k].kind));
+    RP_TRY(exp_check_count(list, exp_count_phases(list)));
     RP_NEW(&plan->arena, plan->phases, exp_count_phases(list));
     RP_TRY(name_phases(plan, list, SIZE_MAX));
     RP_NEW(&plan->arena, plan->loads, plan->n_loads);

@@ -14,6 +14,9 @@ rp_status exp_check_meaning(const config_setting_t *setting, const char *what, c
                             const char *of);
 bool exp_is_word(const char *word); /* of a run's status */
 
+/* No more in a list than can be looked through for each name. */
+rp_status exp_check_count(const config_setting_t *list, size_t n);
+
 /* The first setting of a group whose name is one of these words, NULL: there is none. */
 const config_setting_t *exp_has_key(const config_setting_t *group, const char *words);
 

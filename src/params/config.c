@@ -10,6 +10,7 @@
 #include "params/lets.h"
 #include "params/settings.h"
 #include "core/file.h"
+#include "core/plain.h"
 
 /* libconfig says "syntax error" and the line, no more: this is the line, and what a parameter file is. */
 static void explain(const char *path, const char *error, int line, char hint[256])
@@ -54,15 +55,15 @@ rp_status rp_config_read(const char *path, config_t *config)
 
 rp_status rp_config_fail(const config_setting_t *setting, const char *format, ...)
 {
-    char text[3072];
+    char text[RP_MESSAGE];
     va_list args;
     va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
+    rp_plain_print(text, format, args);
     va_end(args);
     const char *file = config_setting_source_file(setting);
-    int line = (int)config_setting_source_line(setting);
+    const unsigned line = config_setting_source_line(setting);
     /* a setting without a line was not read from a file */
-    return line > 0 ? rp_fail(RP_BAD_INPUT, "%s:%d: %s", file ? file : "built-in text", line, text)
+    return line > 0 ? rp_fail(RP_BAD_INPUT, "%s:%u: %s", file ? file : "built-in text", line, text)
                     : rp_fail(RP_BAD_INPUT, "%s", text);
 }
 
@@ -163,19 +164,6 @@ static rp_status set_computed(const config_setting_t *setting, const rp_param *p
     return rp_params_set(param, rp_config_units(setting), values, &value);
 }
 
-/* May a text stand in a cell or a header: on one line, without tabs, in UTF-8? */
-static bool is_plain(const char *text)
-{
-    for (const unsigned char *c = (const unsigned char *)text; *c;) {
-        const size_t more = *c < 0x80 ? 0 : *c >= 0xc2 && *c < 0xe0 ? 1 : *c < 0xf0 ? 2 : 3;
-        if (*c < 0x20 || *c == 0x7f || (*c >= 0x80 && *c < 0xc2) || *c > 0xf4) return false;
-        c++;
-        for (size_t k = 0; k < more; k++, c++)
-            if ((*c & 0xc0) != 0x80) return false;
-    }
-    return true;
-}
-
 rp_status rp_config_value(const config_setting_t *setting, const rp_param *param, void *values)
 {
     rp_value value;
@@ -188,7 +176,7 @@ rp_status rp_config_value(const config_setting_t *setting, const rp_param *param
         return rp_config_fail(setting, "%s%s: one value expected, not a %s",
                               path_within(config_setting_parent(setting)), param->name,
                               config_setting_is_group(setting) ? "group" : "list");
-    if (param->type == RP_TEXT && value.kind == RP_V_TEXT && !is_plain(value.s))
+    if (param->type == RP_TEXT && value.kind == RP_V_TEXT && !rp_is_plain(value.s))
         return rp_config_fail(setting, "%s%s: a text on one line, without tabs, in UTF-8 expected",
                               path_within(setting), param->name);
     rp_status status = rp_params_set(param, rp_config_units(setting), values, &value);

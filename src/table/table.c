@@ -13,6 +13,7 @@
 #include <xxhash.h>
 
 #include "core/file.h"
+#include "core/plain.h"
 #include "core/version.h"
 #include "params/guess.h"
 #include "params/params.h"
@@ -42,8 +43,7 @@ void rp_table_note(FILE *out, const char *key, const char *format, ...)
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    for (char *c = text; (c = strpbrk(c, "\n\r"));) *c = ' '; /* as in a file's name: a note is one line */
-    fprintf(out, "# %s: %s\n", key, text);
+    fprintf(out, "# %s: %s\n", key, rp_plain(text)); /* a note is one line */
 }
 
 void rp_table_note_number(FILE *out, const char *key, double value, const char *text)
@@ -305,11 +305,25 @@ static rp_status check_kind(const rp_table *t)
     return RP_OK;
 }
 
+/* Tables of any encoding are read, but no byte that a terminal takes for a control character. */
+static rp_status check_bytes(const rp_table *t)
+{
+    size_t line = 1, n;
+    for (const char *c = t->text; *c; c += n ? n : 1) {
+        n = rp_character(c);
+        line += *c == '\n';
+        if (n == 0 && !strchr("\t\n\r", *c) && (unsigned char)*c < 0xa0)
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: no text: a control character (byte %d)", t->path, line,
+                           (unsigned char)*c);
+    }
+    return RP_OK;
+}
+
 /* Split the text that the table has. */
 static rp_status split_text(bool texts, rp_table *table)
 {
     reading r = {.table = table, .texts = texts, .most_rows = 1};
-    rp_status status = RP_OK;
+    rp_status status = check_bytes(table);
     if (strncmp(table->text, "\xEF\xBB\xBF", 3) == 0) /* a byte order mark */
         memmove(table->text, table->text + 3, strlen(table->text + 3) + 1);
     RP_TRY(check_kind(table));

@@ -3,7 +3,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "params/config.h"
 #include "core/file.h"
@@ -111,9 +110,9 @@ static rp_status open_experiment(const char *file, const head *h, sweep_plan *pl
     const config_setting_t *units = config_lookup(&plan->config, "units");
     if (*name) {
         RP_TRY(rp_path(&arena, &path, "%.*sstore.sqlite", folder, file));
-        if (access(path, F_OK) == 0) name = "experiment.cfg";
+        if (rp_is_there(path)) name = "experiment.cfg";
         RP_TRY(rp_path(&arena, &path, "%.*s%s", *name == '/' ? 0 : folder, file, name));
-        if (access(path, F_OK) != 0 && access(rp_data(&arena, name), F_OK) == 0) path = rp_data(&arena, name);
+        if (!rp_is_there(path) && rp_is_there(rp_data(&arena, name))) path = rp_data(&arena, name);
         return rp_prefix(sweep_protocol_open(plan->protocol, path, &h->set, &plan->protocol),
                          "%s: experiment: ", file);
     }

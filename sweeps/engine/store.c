@@ -18,6 +18,7 @@
 #include <string.h>
 
 #include "core/clock.h"
+#include "core/plain.h"
 #include "core/version.h"
 #include "table/columns.h"
 
@@ -263,6 +264,7 @@ static rp_status read_row(sweep_store *s, const sweep_plan *plan, size_t run, bo
                        .seconds = sqlite3_column_double(s->find, 1),
                        .program = (const char *)sqlite3_column_text(s->find, 3)};
     snprintf(row->result.status, sizeof row->result.status, "%s", status ? status : "");
+    rp_plain(row->result.status); /* of a store of anyone's */
     return !values || read_results((const char *)sqlite3_column_text(s->find, 2), plan->protocol->outputs,
                                    row->result.values)
                ? RP_OK

@@ -54,9 +54,9 @@ static void warn_negative(const cli_call *call, const ang_slope slopes[ANG_N_MET
     bool negative = !cli_given(call, "y-axis");
     for (int i = 0; i < ANG_N_METHODS; i++) negative &= slopes[i].slope < 0.0;
     if (negative)
-        fputs("repose angle slope: the angles are negative: give --y-axis down if y counts downward, as the "
-              "rows of a picture do, or --y-axis up if the surface falls to the left\n",
-              stderr);
+        cli_say(
+            "repose angle slope: the angles are negative: give --y-axis down if y counts downward, as the "
+            "rows of a picture do, or --y-axis up if the surface falls to the left");
 }
 
 /* Without slopes: rows without result. */
@@ -114,9 +114,8 @@ static rp_status slope_of_box(size_t n, const double *block, bool with_r, const 
                     s.n_occupied, s.n_cells, left, lowest, s.cell);
     if (!status && (4 * s.n_occupied < 3 * s.n_cells || gsl_stats_min(x, 1, n) < 0.0 ||
                     (!ang_pile_find(n, x, y, (double[]){0.0, o->width}, pile) && pile->n_flanks == 2)))
-        fputs("repose angle slope: a box leaves out x < 0, its empty bins have height 0, and it has one "
-              "flank; without --width the pile is found wherever it is\n",
-              stderr);
+        cli_say("repose angle slope: a box leaves out x < 0, its empty bins have height 0, and it has one "
+                "flank; without --width the pile is found wherever it is");
     *pile = (ang_pile){.n = s.n_cells, .n_flanks = 1, .n_flank = {s.n_occupied}};
     return status ? status : ang_slopes(s.n, s.column, s.h, s.cell, options.parabola, pile->flank[0]);
 }
@@ -162,8 +161,8 @@ static rp_status slope_of_table(cli_call *call, rp_table *table, const void *val
         status = rp_fail(RP_NO_RESULT, "a valley, two flanks that fall inwards: give --y-axis down if y "
                                        "counts downward, as the rows of a picture do, or else --y-axis up");
     if (!box && pile.n_stray > 0 && !status)
-        fprintf(stderr, "repose angle slope: %s: %zu stray points beside the pile are left out\n",
-                table->path, pile.n_stray);
+        cli_say("repose angle slope: %s: %zu stray points beside the pile are left out", table->path,
+                pile.n_stray);
     rp_prefix(status, "%s: %s", table->path, box ? "" : "choose a flank with --from and --to: ");
     if (status && status != RP_NO_RESULT) return status;
     cli_table(call, call->out);

@@ -33,7 +33,7 @@ static rp_status run_sweep(const sweep_problem *problem, size_t stage, const cha
     calibration *c = problem->context;
     c->made |= counts->stored < counts->planned;
     if (!c->o->quiet && counts->stored < counts->planned)
-        fprintf(stderr, "repose calibrate: stage %zu, %s: %zu points, %zu runs each\n", stage + 1, source,
+        cli_say("repose calibrate: stage %zu, %s: %zu points, %zu runs each", stage + 1, source,
                 counts->points, counts->replicas);
     return cli_sweep_run(dir, (sweep_options){.workers = (int)c->o->j, .snapshot = RUN_SNAPSHOT}, c->o->quiet,
                          counts);
@@ -70,17 +70,19 @@ static void tell(void *host, const stats_answer *a)
     bool unseparated = false;
     if (c->o->quiet || !c->made) return;
     c->made = false;
-    fprintf(stderr, "repose calibrate: after stage %zu:", a->stages);
+    const char *said = rp_text(s->arena, "repose calibrate: after stage %zu:", a->stages);
     for (size_t p = 0; p < s->quest.n_names; p++) {
         const size_t n = a->n_intervals[p];
         const stats_identified status = a->status[p];
         unseparated |= is_unseparated(s, status) && status != STATS_IDENTIFIED_BUDGET;
-        fprintf(stderr, "%s %s ", p ? "," : "", s->name[p]);
-        if (n > 0) fprintf(stderr, "%.3g to %.3g", a->interval[p][0].lower, a->interval[p][n - 1].upper);
+        said = rp_text(s->arena, "%s%s %s ", said, p ? "," : "", s->name[p]);
+        if (n > 0)
+            said = rp_text(s->arena, "%s%.3g to %.3g", said, a->interval[p][0].lower,
+                           a->interval[p][n - 1].upper);
         if (status != STATS_IDENTIFIED_BUDGET)
-            fprintf(stderr, "%s%s", n > 0 ? ", " : "", stats_identified_words[status]);
+            said = rp_text(s->arena, "%s%s%s", said, n > 0 ? ", " : "", stats_identified_words[status]);
     }
-    fprintf(stderr, "%s\n", unseparated ? apart(s, a) : "");
+    cli_say("%s%s", said, unseparated ? apart(s, a) : "");
 }
 
 /* "p <= 0.5, q >= 0.1": ends that the ranges have lost; "" without. */

@@ -260,7 +260,7 @@ static rp_status plan_runs(const making *m, sweep_counts *counts)
     const make_options *o = m->o;
     const size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? m->recipe.study : 0;
     RP_TRY(cli_claim_sweep(o->o, m->file, o->force));
-    return sweep_prepare(m->file, o->o, replicas, sweep_protocols, counts);
+    return cli_sweep_plan(m->file, o->o, replicas, o->quiet, counts);
 }
 
 static rp_status make_runs(const making *m)
@@ -343,7 +343,7 @@ static rp_status make_step(const making *m, const step *s)
     RP_TRY(rp_file_open(path, true, &out));
     rp_status status = cli_act_into(&call, table, out);
     if (status == RP_NO_RESULT && ftell(out) > 0) {
-        fprintf(stderr, "repose sweep: %s: %s\n", s->table, rp_message());
+        cli_say("repose sweep: %s: %s", s->table, rp_message());
         status = RP_OK;
     }
     status = rp_file_close(path, out, rp_prefix(status, "%s: ", s->table));

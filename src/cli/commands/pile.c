@@ -97,7 +97,7 @@ static rp_status solve(const cli_call *call, const options *o, sweep_outline *h)
     rp_status status = sweep_pile_solve(&o->pile, h, watched ? draw : NULL, &start, &s, &results);
     if (watched) fputs("\r\033[K", stderr);
     if (!status && s.r.negative_modes) /* no failure: the primary state is what was asked for */
-        fprintf(stderr, "repose pile: unstable: %zu negative mode%s; --branch minimum seeks a stable state\n",
+        cli_say("repose pile: unstable: %zu negative mode%s; --branch minimum seeks a stable state",
                 s.r.negative_modes, s.r.negative_modes == 1 ? "" : "s");
     if (!status || status == RP_NO_RESULT) {
         cli_table(call, call->out);

@@ -96,12 +96,10 @@ static rp_status read_scene(a_run *r)
     RP_TRY(exp_read(&r->text, &r->plan));
     RP_TRY(exp_check(r->plan));
     const dem_scene *scene = exp_scene(r->plan);
-    if (*scene->unused)
-        fprintf(stderr, "repose run: particles_file: columns that are not used:%s\n", scene->unused);
+    if (*scene->unused) cli_say("repose run: particles_file: columns that are not used:%s", scene->unused);
     const double g = rp_hypot(scene->def.gravity[0], scene->def.gravity[1]);
     if (scene->def.units == RP_CGS && g > 9.7 && g < 9.9) /* that of SI */
-        fprintf(stderr,
-                "repose: warning: %s: g = %g among values in cm, g and s; give units = \"si\", or g = %g\n",
+        cli_say("repose: warning: %s: g = %g among values in cm, g and s; give units = \"si\", or g = %g",
                 r->path, g, 100.0 * g);
     const long own[] = {scene->output.states, scene->output.energy, scene->output.contacts,
                         scene->output.walls},
@@ -166,7 +164,7 @@ static rp_status start(a_run *r)
             "grain %u at x = %g, y = %g falls for ever: no wall or fixed grain is below it, and no "
             "x_min, x_max or y_min removes it%s%s",
             falling.id, falling.x, falling.y, r->of.start ? "; " : "", r->of.start ? r->of.start : "");
-    if (r->of.start && !r->o->quiet) fprintf(stderr, "repose run: %s: %s\n", r->path, r->of.start);
+    if (r->of.start && !r->o->quiet) cli_say("repose run: %s: %s", r->path, r->of.start);
     r->driver.threads = (size_t)r->o->j;
     if (r->plain) cli_looks_scene(&r->looks, scene, exp_sim(run));
     return RP_OK;
@@ -198,7 +196,7 @@ static rp_status open_result(a_run *r)
     if (!r->plan) return RP_OK;
     RP_TRY(run_open(&r->driver, &to, &resumed));
     if (resumed && !r->o->quiet)
-        fprintf(stderr, "repose run: %s: continues from step %ld\n", directory, exp_steps(r->driver.run));
+        cli_say("repose run: %s: continues from step %ld", directory, exp_steps(r->driver.run));
     return RP_OK;
 }
 
@@ -231,6 +229,7 @@ static void print_measures(const a_run *r)
 /* The closing line of a run that measures. A word other than ok is no result. */
 static rp_status close_measures(const a_run *r)
 {
+    rp_arena *arena = r->of.call.arena;
     const char *directory = r->o->o, *word = r->result.status, *message = r->result.message;
     size_t n = 0;
     if (!r->row.protocol)
@@ -239,14 +238,15 @@ static rp_status close_measures(const a_run *r)
         return rp_fail(RP_NO_RESULT, "%s: %s%s%s", word, message, *directory ? "; tables in " : "",
                        directory);
     if (r->o->quiet) return RP_OK;
-    fprintf(stderr, "repose run: %s", word);
     if (r->plan)
-        fprintf(stderr, ", %ld steps, t = %.5g", exp_steps(r->driver.run), dem_time(exp_sim(r->driver.run)));
+        word = rp_text(arena, "%s, %ld steps, t = %.5g", word, exp_steps(r->driver.run),
+                       dem_time(exp_sim(r->driver.run)));
     const exp_output *of = r->plan ? exp_outputs(r->plan, &n) : NULL;
     for (size_t k = 0; k < n; k++)
         if (strcmp(of[k].name, "theta_r3_deg") == 0 && !isnan(exp_values(r->driver.run)[k]))
-            fprintf(stderr, ", theta_R = %.1f degrees (method 3)", exp_values(r->driver.run)[k]);
-    cli_close_line(directory, "measures");
+            word =
+                rp_text(arena, "%s, theta_R = %.1f degrees (method 3)", word, exp_values(r->driver.run)[k]);
+    cli_close_line(word, directory, "measures");
     return RP_OK;
 }
 

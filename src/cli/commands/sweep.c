@@ -1,6 +1,7 @@
 /* repose sweep plan|run|status|merge|export|digest|make */
 #include "cli/cli.h"
 #include "cli/progress.h"
+#include "core/plain.h"
 
 #define PLAN_OPTIONS(X)                                                                                      \
     X(TEXT, o, "", NULL, "", "folder of the sweep; created if missing")                                      \
@@ -14,10 +15,11 @@ static rp_status act_plan(cli_call *call, const void *values)
     const plan_options *o = values;
     sweep_counts counts;
     RP_TRY(cli_claim_sweep(o->o, cli_argument(call, 0), o->force));
-    RP_TRY(sweep_prepare(rp_data(call->arena, cli_argument(call, 0)), o->o,
-                         o->replicas > 0 ? (size_t)o->replicas : 0, sweep_protocols, &counts));
-    fprintf(call->out, "%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", o->o,
-            counts.planned, counts.points, counts.replicas, counts.stored);
+    RP_TRY(cli_sweep_plan(rp_data(call->arena, cli_argument(call, 0)), o->o,
+                          o->replicas > 0 ? (size_t)o->replicas : 0, false, &counts));
+    fprintf(call->out, "%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n",
+            rp_plain(rp_text(call->arena, "%s", o->o)), counts.planned, counts.points, counts.replicas,
+            counts.stored);
     return RP_OK;
 }
 

@@ -62,7 +62,7 @@ static rp_status find_kind(const char *path, const struct kind **kind)
 static double step_of_phase(rp_arena *arena, const char *folder, const char *phase)
 {
     const char *path = rp_text(arena, "%s/measures.tsv", folder), *note = NULL;
-    const bool row = access(path, R_OK) != 0;
+    const bool row = !rp_is_there(path);
     rp_table *table;
     double step = NAN;
     if (row) path = rp_text(arena, "%s/phases.tsv", folder);

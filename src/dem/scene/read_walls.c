@@ -126,6 +126,7 @@ rp_status dem_read_walls(const config_setting_t *root, dem_scene *scene)
     dem_definition *def = &scene->def;
     dem_wall_entry *entries;
     dem_wall *walls;
+    enum { MOST_WALLS = 10000 }; /* their ends are compared with one another */
     size_t most = 0;
     RP_SCOPE(arena);
     if (!list) return RP_OK;
@@ -135,6 +136,8 @@ rp_status dem_read_walls(const config_setting_t *root, dem_scene *scene)
         RP_TRY(read_entry(&arena, element(list, i), scene, &entries[i]));
         most += entries[i].points ? entries[i].n_points : 1;
     }
+    if (most > MOST_WALLS)
+        return rp_config_fail(list, "walls: %zu lines and sides; at most %d", most, MOST_WALLS);
     RP_NEW(&scene->arena, walls, most);
     RP_NEW(&scene->arena, scene->given, most);
     RP_NEW(&scene->arena, scene->names, most);

@@ -97,7 +97,8 @@ rp_status dem_text_scene(dem_text *text, dem_scene *scene)
                                   "%s: needs phases, as in phases = ( { name = \"run\"; steps = %ld; } );",
                                   *key, scene->steps);
     RP_TRY(dem_read_grains(text->path, root, scene));
-    for (const dem_fill *f = scene->fills; f < scene->fills + scene->n_fills; f++) {
+    for (size_t k = 0; k < scene->n_fills; k++) {
+        const dem_fill *f = &scene->fills[k];
         const double m = dem_mass(f->shape, f->density, dem_radius_mean(f)), least = def->mass_to_come;
         if (!f->fixed) def->mass_to_come = least > 0.0 ? fmin(m, least) : m;
     }
