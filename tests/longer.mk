@@ -10,8 +10,7 @@ changes: $(B)/check $(REPOSE) $(REPORT) ## small changes of each kind: each pass
 	@sh tests/changes/changes.sh $(B) $(CHANGES)
 mutate: | $(SETUP_FIRST) ## changes models, statistics, commands and figures line by line: do the tests see it? MUTANTS=300, SEED=0 draws them
 	@sh tests/mutate/mutate.sh $(B) $(or $(MUTANTS),300) $(JOBS) $(or $(SEED),0)
-check-readers: $(REPOSE) $(B)/check ## exports read by LAMMPS, VTK and pandas; as root, installs them
-	@sh tests/setup.sh lammps python3-vtk9 python3-pandas
+check-readers: $(REPOSE) $(B)/check setup-peers ## exports read by LAMMPS, VTK and pandas; as root, installs them
 	@REPOSE=$(REPOSE) $(B)/check export
 check-arm64: $(REPOSE) ## the tests of equal bits for 64-bit Arm, by qemu in a Debian root of its own; needs root, mmdebstrap and 1 GB
 	@sh tests/arm64.sh
