@@ -5,6 +5,8 @@
 B       := build
 T       := $(B)/tables
 JOBS    ?= $(shell nproc)
+# Where no locale is set, gnuplot warns of a degree sign.
+export LC_ALL := C.UTF-8
 CC      := gcc
 CFLAGS  := -std=c11 -O3 -ffp-contract=off -fno-math-errno -pthread -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes \
            -Wmissing-prototypes -Wconversion -Werror=switch-enum -Wno-sign-conversion \

@@ -13,6 +13,7 @@
 #include "tests/program.h"
 
 #define PAGES(X)                                                                                             \
+    X(browser, "docs/browser.md")                                                                            \
     X(readme, "README.md")                                                                                   \
     X(first_pile, "docs/first-pile.md")                                                                      \
     X(grains, "docs/grains.md")                                                                              \
