@@ -18,7 +18,7 @@ PACKAGES := pkg-config libgsl-dev libconfig-dev libsqlite3-dev librandom123-dev 
             libjansson-dev gnuplot-nox fonts-dejavu-core pngquant
 PACKAGES += $(if $(filter check% asan test lint validate report drill changes mutate analyze,$(MAKECMDGOALS)),libcunit1-dev \
             g++ clang-format python3 sqlite3)
-PACKAGES += $(if $(filter manual deb check-deb,$(MAKECMDGOALS)),pandoc) $(if $(filter deb check-deb,$(MAKECMDGOALS)),build-essential debhelper)
+PACKAGES += $(if $(filter manual deb check-deb,$(MAKECMDGOALS)),pandoc) $(if $(filter deb check-deb,$(MAKECMDGOALS)),build-essential debhelper) $(if $(filter check-deb,$(MAKECMDGOALS)),lintian)
 SETUP_FIRST := $(filter setup setup-peers,$(MAKECMDGOALS))
 PKGS     := gsl libconfig sqlite3 libxxhash jansson
 $(if $(filter setup% help clean uninstall,$(MAKECMDGOALS))$(shell pkg-config --exists $(PKGS) 2>/dev/null && echo y),,$(error packages are missing: `make setup` installs them))

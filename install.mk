@@ -20,6 +20,7 @@ deb: dist | $(SETUP_FIRST) ## the Debian package, from that archive, into build;
 	@rm -rf $(B)/deb $(B)/repose*.deb && mkdir -p $(B)/deb && tar -xzf $(DIST) -C $(B)/deb
 	@cd $(B)/deb/repose-$(VERSION) && dpkg-buildpackage -us -uc -b
 	@mv $(B)/deb/*.deb $(B) && ls $(B)/*.deb
-check-deb: deb $(B)/check $(REPOSE) ## the suite `install` on the contents of that package, unpacked without root
+check-deb: deb $(B)/check $(REPOSE) ## lintian on that package, and the suite `install` on its contents, unpacked without root
+	@lintian --allow-root --fail-on error $(B)/repose_*.deb
 	@rm -rf $(B)/deb/root && dpkg-deb -x $(B)/repose_*.deb $(B)/deb/root
 	@RP_INSTALLED=$(abspath $(B))/deb/root/usr REPOSE=$(REPOSE) $(B)/check install
