@@ -5,18 +5,23 @@
 B       := build
 T       := $(B)/tables
 JOBS    ?= $(shell nproc)
+# Where no locale is set, gnuplot warns of a degree sign.
+export LC_ALL := C.UTF-8
 CC      := gcc
 CFLAGS  := -std=c11 -O3 -ffp-contract=off -fno-math-errno -pthread -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes \
            -Wmissing-prototypes -Wconversion -Werror=switch-enum -Wno-sign-conversion \
            -Wno-missing-field-initializers $(if $(SAN),,-fstack-protector-strong -fPIE) $(WERROR) $(SAN)
 CPPFLAGS := -D_GNU_SOURCE -Isrc -I. $(if $(SAN),,-D_FORTIFY_SOURCE=2)
-# Debian packages that the project needs, for `setup`. Work waits for it when both are asked for, and so pkg-config runs inside recipes.
-PACKAGES := g++ pkg-config libgsl-dev libcunit1-dev gnuplot-nox libconfig-dev libsqlite3-dev \
-            librandom123-dev libsuitesparse-dev libxxhash-dev libjansson-dev fonts-dejavu-core pngquant \
-            clang-format python3 python3-pandas sqlite3 lammps
-SETUP_FIRST := $(filter setup,$(MAKECMDGOALS))
+# Debian packages, for `setup`: those of the program and its figures, and those of what else is asked for in the same call.
+# Work waits for `setup` then, and so pkg-config runs inside recipes.
+PACKAGES := pkg-config libgsl-dev libconfig-dev libsqlite3-dev librandom123-dev libsuitesparse-dev libxxhash-dev \
+            libjansson-dev gnuplot-nox fonts-dejavu-core pngquant
+PACKAGES += $(if $(filter check% asan test lint validate report drill changes mutate analyze,$(MAKECMDGOALS)),libcunit1-dev \
+            g++ clang-format python3 sqlite3)
+PACKAGES += $(if $(filter manual deb check-deb,$(MAKECMDGOALS)),pandoc) $(if $(filter deb check-deb,$(MAKECMDGOALS)),build-essential debhelper) $(if $(filter check-deb,$(MAKECMDGOALS)),lintian)
+SETUP_FIRST := $(filter setup setup-peers,$(MAKECMDGOALS))
 PKGS     := gsl libconfig sqlite3 libxxhash jansson
-$(if $(filter setup help clean uninstall,$(MAKECMDGOALS))$(shell pkg-config --exists $(PKGS) && echo y),,$(error packages are missing: `make setup` installs them))
+$(if $(filter setup% help clean uninstall,$(MAKECMDGOALS))$(shell pkg-config --exists $(PKGS) 2>/dev/null && echo y),,$(error packages are missing: `make setup` installs them))
 LIBS      = $$(pkg-config --libs $(PKGS)) -lcholmod -lm $(if $(SAN),,-pie -Wl,-z,relro,-z,now)
 # module=prefix of its exported names; dependents before what they depend on. A module's rooms stand in tests/rooms.txt.
 MODULES := sweep=sweep_ run=run_ view=view_ export=export_ exp=exp_ analytic=an_ dem=dem_ statics=statics_ angle=ang_ stress=stress_ stats=stats_ core=rp_
@@ -38,13 +43,16 @@ ALONE   := $(patsubst %.c,$(B)/obj/%.o,$(filter %.c,$(wildcard $(shell awk '$$3 
 ALL     := $(CLI) $(REPORTER) $(foreach m,$(MODULES),$(call sources,$(m)))
 REPOSE  := $(B)/repose
 REPORT  := $(B)/report
-.PHONY: all figures bench report check test validate asan lint sizes standalone setup help clean FORCE
-all: $(REPOSE) $(REPORT) ## build the programs: build/repose, and build/report for the report
+.PHONY: all figures bench report check test validate asan lint sizes standalone setup setup-peers help clean FORCE
+all: | $(SETUP_FIRST) ## build the programs: build/repose, and build/report, which makes the report
+	@$(MAKE) --no-print-directory $(if $(filter -j%,$(MAKEFLAGS)),,-j$(JOBS)) $(REPOSE) $(REPORT)
 help: ## this list
 	@sed -n 's/^\([a-z][a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 16
 	@echo '  fig-NAME    one figure, as in `make fig-lh3`'
-setup: ## install the Debian packages that are missing
+setup: ## install the Debian packages that are missing: make setup all, setup figures, setup check, setup deb
 	@sh tests/setup.sh $(PACKAGES)
+setup-peers: ## what some tests compare with, and else leave out: LAMMPS, VTK, pandas
+	@sh tests/setup.sh lammps python3-vtk9 python3-pandas
 
 # ---- The program and its tests
 $(B)/obj/%.o: %.c | $(SETUP_FIRST)

@@ -12,8 +12,7 @@ changes: $(B)/check $(REPOSE) $(REPORT) ## check that small changes of each kind
 	@sh tests/changes/changes.sh $(B) $(CHANGES)
 mutate: | $(SETUP_FIRST) ## mutation test: change the program line by line, and count what the tests detect; MUTANTS=300, SEED=0 draws them
 	@sh tests/mutate/mutate.sh $(B) $(or $(MUTANTS),300) $(JOBS) $(or $(SEED),0)
-check-readers: $(REPOSE) $(B)/check ## read exports with LAMMPS, VTK and pandas; as root, installs them
-	@sh tests/setup.sh lammps python3-vtk9 python3-pandas
+check-readers: $(REPOSE) $(B)/check setup-peers ## read exports with LAMMPS, VTK and pandas; as root, installs them
 	@REPOSE=$(REPOSE) $(B)/check export
 check-arm64: $(REPOSE) ## tests of bitwise identity on 64-bit Arm, with qemu in its own Debian root; needs root, mmdebstrap and 1 GB
 	@sh tests/arm64.sh

@@ -4,7 +4,7 @@
  *   ```sh or ```python             commands; the block must succeed
  *   ```text, right after it        its output and messages: `...` stands for any text within a line, and
  * alone in a line for any lines; blanks are equal to tabs; lines with # are left out. A last command that
- * fails shows its message, `repose ...`.
+ * fails shows its message, `repose ...`. A line `skipped: ...` tells of a part that was left out.
  *   <!-- test: COMMANDS -->        before a block that takes long, or changes the machine: these run in its
  * place */
 #include <ctype.h>
@@ -13,6 +13,7 @@
 #include "tests/program.h"
 
 #define PAGES(X)                                                                                             \
+    X(browser, "docs/browser.md")                                                                            \
     X(readme, "README.md")                                                                                   \
     X(experiments, "docs/experiments.md")                                                                    \
     X(first_pile, "docs/first-pile.md")                                                                      \
@@ -120,6 +121,9 @@ static void run_block(block *b)
         fprintf(stderr, "%s", out);
     }
     CU_ASSERT(right);
+    slurp("out", out, sizeof out);
+    for (char *text = out, *said; (said = next_line(&text));)
+        if (strncmp(said, "skipped: ", 9) == 0) check_skip(check_text("%s: %s", b->page, said + 9));
     b->commands[0] = b->instead[0] = b->expected[0] = '\0';
 }
 
@@ -320,5 +324,5 @@ static void comparison(void)
     CU_ASSERT_FALSE(same("a\n...\nd\n", "a\nd\ne\n"));
 }
 
-CHECK_SUITE(docs, "docs", comparison, every_command, promises, evidence, facts, readme, experiments,
+CHECK_SUITE(docs, "docs", comparison, every_command, promises, evidence, facts, browser, readme, experiments,
             first_pile, grains, install, performance, physics, programs, scenes, sweeps)

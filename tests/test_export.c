@@ -1,6 +1,6 @@
 /* `repose export`: what it writes, read back. The comparisons are in tests/readers.py: in every check by the
  * standard library of Debian's Python; by LAMMPS, VTK and pandas where these are installed (`make
- * check-readers` installs them). */
+ * setup-peers` installs them). */
 #include <limits.h>
 
 #include "dem/law/laws.h"
@@ -20,12 +20,17 @@ static bool readers(const char *words)
     return right;
 }
 
-/* Is the program, or the module of Python, installed? */
-static bool has(const char *command, const char *what)
+/* Is the program, or the module of Python, installed? Without it a test, or a part of one, is skipped. */
+static bool has(const char *command, const char *what, void skip(const char *reason))
 {
     const bool there = shell_line("{ %s; } >out 2>err", command) == 0;
-    if (!there) check_skip(check_text("not by %s, which is not installed (make check-readers)", what));
+    if (!there) skip(check_text("needs %s, which `make setup-peers` installs", what));
     return there;
+}
+
+static bool has_lammps(void)
+{
+    return has("command -v lmp", "LAMMPS", check_skip_test);
 }
 
 /* Grains that fall into a corner with a wall that opens; one leaves. */
@@ -447,7 +452,7 @@ enum { N_SAME = sizeof same / sizeof *same };
 static void test_lammps_input(void)
 {
     char names[128] = "lammps_input";
-    if (has("command -v lmp", "lmp")) {
+    if (has_lammps()) {
         write_grains("grains.tsv");
         for (size_t i = 0; i < N_SAME; i++) {
             const char *name = same[i].name;
@@ -489,7 +494,7 @@ static void spin_apart(const char *shape, double E, double apart[3])
 
 static void test_spins(void)
 {
-    if (!has("command -v lmp", "lmp")) return;
+    if (!has_lammps()) return;
     for (int disk = 0; disk < 2; disk++) {
         double soft[3], stiff[3];
         spin_apart(disk ? "disk" : "sphere", 3e8, soft);
@@ -738,12 +743,12 @@ static void test_refused(void)
 
 static void test_readers(void)
 {
-    static const char *const cases[][3] = {{"command -v lmp", "lmp", "lammps"},
+    static const char *const cases[][3] = {{"command -v lmp", "LAMMPS", "lammps"},
                                            {PYTHON "-c 'import vtkmodules'", "VTK", "vtk"},
                                            {PYTHON "-c 'import pandas'", "pandas", "pandas"}};
     export_formats();
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
-        if (has(cases[k][0], cases[k][1])) CU_ASSERT(readers(cases[k][2]));
+        if (has(cases[k][0], cases[k][1], check_skip)) CU_ASSERT(readers(cases[k][2]));
 }
 
 /* Random texts as names of columns and units, and as names of files: CSV and JSON have them as they are, the

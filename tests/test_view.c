@@ -315,10 +315,10 @@ static char told[1 << 16];
 #define tell(...) tell_words(check_text(__VA_ARGS__))
 static void tell_words(const char *words)
 {
-    write_text("gnuplot", "#!/bin/sh\nexec cat >told\n");
+    write_text("gnuplot", "#!/bin/sh\n[ \"$LC_ALL\" = C.UTF-8 ] && exec cat >told\n");
     write_text("ffmpeg", "#!/bin/sh\necho \"$@\" >film\nexec cat >>film\n");
-    const int status =
-        shell_line("chmod +x gnuplot ffmpeg; PATH=.:$PATH \"$REPOSE\" view --force %s >out 2>err", words);
+    const int status = shell_line(
+        "chmod +x gnuplot ffmpeg; LC_ALL=C PATH=.:$PATH \"$REPOSE\" view --force %s >out 2>err", words);
     if (status) fprintf(stderr, "view %s: %s", words, err);
     CU_ASSERT_FATAL(status == 0);
     slurp("told", told, sizeof told);
