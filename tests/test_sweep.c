@@ -733,7 +733,7 @@ static void test_models(void)
     CHECK_OK(sweep_prepare(file, other, 0, toys, &c));
     CHECK_OK(run_in(other, 1));
     sql_in(folder_path(other, "store.sqlite"), foreign);
-    snprintf(model, sizeof model, "(toy 3), not by this one (toy %s)", rp_model(text));
+    snprintf(model, sizeof model, "(toy 3), not with this one (toy %s)", rp_model(text));
     CHECK_FAILS(sweep_merge(dir, toys, 1, others, &c), RP_BAD_INPUT, model);
     CHECK_FAILS(sweep_status(other, toys, &c), RP_BAD_INPUT,
                 "planned with another model of the physics (toy 3)");
