@@ -244,7 +244,7 @@ static void test_failing_calls(void)
     GOOD("sweep plan w.cfg -o part");
     CU_ASSERT(run("sweep run part --shard 1/2 -j 1 --quiet") == 0);
     for (size_t k = 0; k < sizeof commands / sizeof *commands; k++) {
-        const long step = getenv("RP_DRILL") || k == 0 ? 1 : 4;
+        const long step = getenv("RP_DRILL") || k == 0 ? 1 : 10;
         SHELL("rm -rf n*");
         const int whole = run_begun(commands[k], order_nothing);
         SHELL("{ find n* -type f | sort; cat n*/.repose; } 2>/dev/null >files; tail -n +6 out >printed; :");
