@@ -5,18 +5,23 @@
 B       := build
 T       := $(B)/tables
 JOBS    ?= $(shell nproc)
+# Where no locale is set, gnuplot warns of a degree sign.
+export LC_ALL := C.UTF-8
 CC      := gcc
 CFLAGS  := -std=c11 -O3 -ffp-contract=off -fno-math-errno -pthread -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes \
            -Wmissing-prototypes -Wconversion -Werror=switch-enum -Wno-sign-conversion \
            -Wno-missing-field-initializers $(if $(SAN),,-fstack-protector-strong -fPIE) $(WERROR) $(SAN)
 CPPFLAGS := -D_GNU_SOURCE -Isrc -I. $(if $(SAN),,-D_FORTIFY_SOURCE=2)
-# Debian packages that the project needs, for `setup`. Work waits for it when both are asked for, and so pkg-config runs inside recipes.
-PACKAGES := g++ pkg-config libgsl-dev libcunit1-dev gnuplot-nox libconfig-dev libsqlite3-dev \
-            librandom123-dev libsuitesparse-dev libxxhash-dev libjansson-dev fonts-dejavu-core pngquant \
-            clang-format python3 python3-pandas sqlite3 lammps
-SETUP_FIRST := $(filter setup,$(MAKECMDGOALS))
+# Debian packages, for `setup`: those of the program and its figures, and those of what else is asked for in the same call.
+# Work waits for `setup` then, and so pkg-config runs inside recipes.
+PACKAGES := pkg-config libgsl-dev libconfig-dev libsqlite3-dev librandom123-dev libsuitesparse-dev libxxhash-dev \
+            libjansson-dev gnuplot-nox fonts-dejavu-core pngquant
+PACKAGES += $(if $(filter check% asan test lint validate report drill changes mutate analyze,$(MAKECMDGOALS)),libcunit1-dev \
+            g++ clang-format python3 sqlite3)
+PACKAGES += $(if $(filter manual deb check-deb,$(MAKECMDGOALS)),pandoc) $(if $(filter deb check-deb,$(MAKECMDGOALS)),build-essential debhelper) $(if $(filter check-deb,$(MAKECMDGOALS)),lintian)
+SETUP_FIRST := $(filter setup setup-peers,$(MAKECMDGOALS))
 PKGS     := gsl libconfig sqlite3 libxxhash jansson
-$(if $(filter setup help clean uninstall,$(MAKECMDGOALS))$(shell pkg-config --exists $(PKGS) && echo y),,$(error packages are missing: `make setup` installs them))
+$(if $(filter setup% help clean uninstall,$(MAKECMDGOALS))$(shell pkg-config --exists $(PKGS) 2>/dev/null && echo y),,$(error packages are missing: `make setup` installs them))
 LIBS      = $$(pkg-config --libs $(PKGS)) -lcholmod -lm $(if $(SAN),,-pie -Wl,-z,relro,-z,now)
 # module=prefix of its exported names; dependents before what they depend on. A module's rooms stand in tests/rooms.txt.
 MODULES := sweep=sweep_ run=run_ view=view_ export=export_ exp=exp_ analytic=an_ dem=dem_ statics=statics_ angle=ang_ stress=stress_ stats=stats_ core=rp_
@@ -38,13 +43,16 @@ ALONE   := $(patsubst %.c,$(B)/obj/%.o,$(filter %.c,$(wildcard $(shell awk '$$3 
 ALL     := $(CLI) $(REPORTER) $(foreach m,$(MODULES),$(call sources,$(m)))
 REPOSE  := $(B)/repose
 REPORT  := $(B)/report
-.PHONY: all figures bench report check test validate asan lint sizes standalone setup help clean FORCE
-all: $(REPOSE) $(REPORT) ## build the programs: build/repose, and build/report, which makes the report
+.PHONY: all figures bench report check test validate asan lint sizes standalone setup setup-peers help clean FORCE
+all: | $(SETUP_FIRST) ## build the programs: build/repose, and build/report, which makes the report
+	@$(MAKE) --no-print-directory $(if $(filter -j%,$(MAKEFLAGS)),,-j$(JOBS)) $(REPOSE) $(REPORT)
 help: ## this list
 	@sed -n 's/^\([a-z][a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 16
 	@echo '  fig-NAME    one figure, as in `make fig-lh3`'
-setup: ## install the Debian packages that are missing
+setup: ## install the Debian packages that are missing: make setup all, setup figures, setup check, setup deb
 	@sh tests/setup.sh $(PACKAGES)
+setup-peers: ## what some tests compare with, and else leave out: LAMMPS, VTK, pandas
+	@sh tests/setup.sh lammps python3-vtk9 python3-pandas
 
 # ---- The program and its tests
 $(B)/obj/%.o: %.c | $(SETUP_FIRST)
@@ -78,32 +86,32 @@ $(LIBRARY) $(B)/libframe.a:
 	@rm -f $@ && ar qcs $@ $^
 $(REPOSE): $(CLI) $(LIBRARY)
 $(REPORT): $(REPORTER) $(B)/libframe.a $(LIBRARY)
-$(B)/check: $(CHECK) $(LIBRARY) | $(B)/core
+$(B)/check: $(CHECK) $(LIBRARY) | $(if $(findstring fuzzer,$(SAN)),,$(B)/core)
 $(REPOSE) $(REPORT) $(B)/check:
 	@echo "link    $@" && $(CC) $(CFLAGS) $^ $(if $(filter %/check,$@),$$(pkg-config --libs cunit)) $(LIBS) -o $@
 
-lint: $(LIBRARY) $(REPOSE) $(REPORT) $(B)/check ## order of the rooms, prefixes of the modules, tables of figures, clang-format
+lint: $(LIBRARY) $(REPOSE) $(REPORT) $(B)/check ## check the order of layers, prefixes of modules, tables of figures, clang-format
 	@sh tests/lint.sh $(B) $(MODULES)
-standalone: $(B)/core ## build/core: a pile of grains, of examples/core.c and the core alone
+standalone: $(B)/core ## build/core: a pile of grains, from examples/core.c and the core only
 $(B)/libalone.a: $(ALONE)
 	@rm -f $@ && ar qcs $@ $^
 $(B)/core: $(B)/obj/examples/core.o $(B)/libalone.a
 	@echo "link    $@" && $(CC) $(CFLAGS) $^ -lxxhash -lm $(if $(SAN),,-pie) -o $@
-sizes: ## lines, code and semicolons of each room, and of core, tools and papers
+sizes: ## count lines, code and semicolons of each layer, and of core, tools and papers
 	@python3 -B tests/sizes.py
 # Figures that take no time show the tests the whole way from a model to a picture. The plain tests run beside the others,
 # and print last: CUnit's summary is then what `make check` ends with. Background jobs of a shell ignore signals that tests send.
-check: | $(SETUP_FIRST) ## unit tests and fast validation, with sanitizers and plain
+check: | $(SETUP_FIRST) ## unit tests and fast validation, with sanitizers and without
 	@$(MAKE) --no-print-directory -j$(JOBS) $(REPOSE) $(REPORT) $(B)/check $(addprefix $(B)/figures/,li13.svg li14.svg li18.svg li19.svg)
 	@REPOSE=$(REPOSE) env --default-signal=INT,QUIT $(B)/check -j$(JOBS) >$(B)/check.log 2>&1 & plain=$$!; \
-	trap 'kill $$plain; exit 1' INT TERM; $(MAKE) --no-print-directory lint asan; others=$$?; wait $$plain; plain=$$?; \
+	trap 'kill $$plain; exit 1' INT TERM; $(MAKE) --no-print-directory lint analyze-readers asan; others=$$?; wait $$plain; plain=$$?; \
 	echo "check   plain"; cat $(B)/check.log; [ $$others$$plain = 00 ] || { echo "check   failed" >&2; exit 1; }
 # Most of a short process would be its start: fixed addresses and static sanitizers need few relocations.
 SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all -static-libasan -static-libubsan -fno-pie -no-pie -g1 -O2 -ftrivial-auto-var-init=pattern
 asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behaviour sanitizers
 	@$(MAKE) --no-print-directory -j$(JOBS) B=$(B)/asan SAN='$(SANITIZE)' $(addprefix $(B)/asan/,check repose report)
 	@echo "check   with sanitizers" && REPOSE=$(B)/asan/repose RP_CHECK_FAST=1 $(B)/asan/check -j$(JOBS)
-test: $(B)/check $(REPOSE) $(REPORT) ## some tests: make test SUITE=dem TEST='part of a name'
+test: $(B)/check $(REPOSE) $(REPORT) ## run some tests: make test SUITE=dem TEST='part of a name'
 	@REPOSE=$(REPOSE) $(B)/check -j$(JOBS) $(SUITE) --test '$(TEST)'
 
 # ---- A sweep, a suite or results fill a folder of tables, a figure names its sweeps, the report reads all.
@@ -149,19 +157,19 @@ make_pages = mkdir -p $(B)/docs; for p in $(PAGES); do \
 	$(REPORT) page report/text/$$(basename $$p).md.in --tables $$tables -o $(B)/$$p.md || exit 1; done
 make_html = sh report/page/page.sh $(REPOSE) $(B)
 # Two sweeps at a time, each on all cores: where one ends and derives its tables, the other works.
-figures: | $(SETUP_FIRST) ## every figure of the two papers and of the studies in results, into build/figures, and build/paper-repro.md
+figures: | $(SETUP_FIRST) ## make every figure of the two papers and of the studies, into build/figures, and build/paper-repro.md
 	@$(MAKE) -s -j$(JOBS) $(REPOSE) $(REPORT)
 	@$(MAKE) -s -j2 $(SWEEPS:%=$(T)/%/done)
 	@$(MAKE) -s -Oline -j$(JOBS) $(FIGURES:%=$(B)/figures/%.svg) $(patsubst %,$(B)/figures/shown/%.png,$(filter $(FIGURES),$(SHOWN)))
 	@tables=results,$(T),results/kept; $(make_pages); echo "report  $(B)/paper-repro.md"
-validate: $(REPOSE) $(B)/check ## the validation at full size, tables and figures
+validate: $(REPOSE) $(B)/check ## validation at full size, with tables and figures
 	@$(MAKE) -s -j1 $(SUITES:%=$(T)/%/done) $(CHECKED:%=$(B)/figures/%.svg)
-report: figures validate $(SHOWN:%=$(B)/figures/shown/%.png) ## paper-repro.md, docs and the pictures that they and README show; build/report.html, by pandoc
+report: figures validate $(SHOWN:%=$(B)/figures/shown/%.png) ## make paper-repro.md, pages of docs and the pictures that they show; build/report.html, with pandoc
 	@sh report/keep.sh $(T); tables=results,results/kept; $(make_pages); for p in $(PAGES); do cp $(B)/$$p.md $$p.md; done
 	@cp $(SHOWN:%=$(B)/figures/shown/%.png) figures/shown && $(make_html)
 	@[ ! -e .git ] || git --no-pager diff --exit-code --stat HEAD -- $(PAGES:=.md) results || \
 	  { echo "report: these differ from the last commit; look at them (git diff), and commit them" >&2; exit 1; }
 include tests/longer.mk install.mk src/page/page.mk
 .PRECIOUS: $(T)/%/done
-clean: ## remove everything made
+clean: ## remove everything that was made
 	rm -rf $(B)

@@ -1,21 +1,16 @@
 #!/bin/sh
 # Install Repose, as `make install` does: install.sh BUILD FOLDER VERSION MODULE... FOLDER is DESTDIR and PREFIX. No path
 # is written into a file, so that the folder can be moved. All is made in a folder of its own, and copied when it is
-# whole; $list has its files: --remove FOLDER takes away these files, and what folders of the program
-# they leave empty.
+# whole. $list names its files, and each folder that it made, with "/" at the end; "/" alone is FOLDER.
+# --remove FOLDER removes these files, and these folders where they are empty.
 set -e
 umask 022
 list=share/doc/repose/installed.txt
 remove() { # remove FOLDER
-    (
-        cd "$1"
-        if ! [ -f $list ]; then exit 0; fi # nothing is there, or of a version without a list
-        folders=$(while read -r file; do
-            while file=${file%/*} && [ "$file" != "${file#*/repose}" ]; do echo "$file"; done
-        done <$list | sort -ru)
-        while read -r file; do rm -f "$file"; done <$list
-        for folder in $folders; do rmdir "$folder" 2>/dev/null || true; done
-    )
+    if ! [ -f "$1/$list" ]; then return; fi # nothing is there, or of a version without a list
+    LC_ALL=C sort -r "$1/$list" | while read -r name; do # a folder after what lies in it
+        case $name in */) rmdir "$1/$name" 2>/dev/null || true ;; *) rm -f "$1/$name" ;; esac
+    done
 }
 if [ "$1" = --remove ]; then
     [ -f "$2/$list" ] || { echo "$2: no installation with a list of its files" >&2 && exit 1; }
@@ -90,9 +85,19 @@ pc repose-statics "static equilibrium of soft disks" "" -lcholmod
 pc repose-angle "angles of repose, tilting and marginal stability" "gsl"
 pc repose-stress "stress in piles, pressure on their base" gsl
 
-mkdir -p "$target"
-remove "$target" # of another version
-(cd "$to" && : >$list && find . ! -type d | sed 's,^\./,,' | sort >$list) # with the list itself
-while read -r file; do # folders that are links stay so
-    mkdir -p "$target/${file%/*}" && cp -P -T --remove-destination "$to/$file" "$target/$file"
+made=$(grep '/$' "$target/$list" 2>/dev/null || true) # they may hold a person's files too
+remove "$target"                                      # of another version
+: >"$to/$list"
+names=$(cd "$to" && find . -type d -printf '%P/\n' -o -printf '%P\n' | while read -r name; do
+    case $name in
+    */repose/*/ | */repose/ | *[!/]) echo "$name" ;;
+    *) if ! [ -e "$target/$name" ] || echo "$made" | grep -qxF "$name"; then echo "$name"; fi ;;
+    esac
+done)
+echo "$names" | LC_ALL=C sort >"$to/$list"
+while read -r name; do # folders that are links stay so
+    case $name in
+    */) mkdir -p "$target/$name" ;;
+    *) mkdir -p "$target/${name%/*}" && cp -P -T --remove-destination "$to/$name" "$target/$name" ;;
+    esac
 done <"$to/$list"

@@ -11,7 +11,7 @@ Table.dataframe() needs pandas.
     runs = repose.sweep("lh3.cfg", "lh3")
     print(runs["theta_r3_deg"], runs.units["theta_r3_deg"])
 
-The program is $REPOSE, else build/repose beside this folder, else `repose` on the PATH.
+The program is $REPOSE; else that of the source or of the installation in which this file lies; else `repose` on the PATH.
 """
 import json
 import os
@@ -166,8 +166,9 @@ def read_frames(folder):
 
 def program():
     """Path of the program."""
-    beside = pathlib.Path(__file__).resolve().parent.parent / "build" / "repose"
-    found = os.environ.get("REPOSE") or (str(beside) if beside.exists() else shutil.which("repose"))
+    here = pathlib.Path(__file__).resolve().parent
+    beside = [os.path.normpath(here / name) for name in ("../build/repose", "../../../bin/repose")]
+    found = os.environ.get("REPOSE") or next(filter(os.path.exists, beside), None) or shutil.which("repose")
     if not found:
         raise FileNotFoundError("no program repose: make it, install it, or set REPOSE to its path")
     return found

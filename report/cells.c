@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "core/file.h"
 #include "report/verdict.h"
@@ -37,7 +36,7 @@ rp_status report_table(report_tables *tables, const char *name, const rp_table *
         const char *path;
         folder += *folder == ',';
         RP_TRY(rp_path(arena, &path, "%.*s/%s.tsv", (int)strcspn(folder, ","), folder, name));
-        if (access(path, F_OK) != 0) continue;
+        if (!rp_is_there(path)) continue;
         struct report_read *read = rp_arena_memory(arena, 1, sizeof *read);
         *read = (struct report_read){tables->read, rp_text(arena, "%s", name), NULL};
         RP_TRY(rp_table_keep(arena, path, NULL, &read->table));

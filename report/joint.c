@@ -6,8 +6,8 @@
 #define JOINT_OPTIONS(X)                                                                                     \
     REPORT_OPTIONS(X)                                                                                        \
     X(TEXT, id, "", "lh-five", "", "claim whose `answer` names the claims with the numbers")                 \
-    X(TEXT, table, "", "lh_ramp/points", "", "points of a sweep of the choices")                          \
-    X(TEXT, column, "", "theta_r3_deg", "", "column that answers")
+    X(TEXT, table, "", "lh_ramp/points", "", "table of points of a sweep over the choices")               \
+    X(TEXT, column, "", "theta_r3_deg", "", "column that is compared")
 CLI_OPTIONS(joint, JOINT_OPTIONS)
 
 /* Points of a sweep, of whose first n_keys columns some are settings of the paper: `at` says what each is
@@ -123,13 +123,13 @@ static rp_status print_joint(cli_call *call, const void *values)
 
 const cli_command report_joint_command = {
     .name = "joint",
-    .summary = "published numbers together, for each choice that a paper leaves open",
+    .summary = "test published numbers jointly, for each choice that a paper leaves open",
     .synopsis = "[options]",
-    .about = "Each row of the table is a choice that the claims do not set, such as the mass of a grain: "
-             "chi^2 of the published numbers, the shift that all have in common, and what it leaves of "
-             "chi^2, with its chance. `n_least`: piles of the setting that has fewest; `n_failed`: runs "
-             "without a result.",
+    .about = "Each row of the table is a choice that the claims do not set, such as the mass of a grain. It "
+             "has chi^2 of the published numbers, the shift common to all of them, and the chi^2 that "
+             "remains after this shift, with its probability. `n_least` is the number of piles of the "
+             "setting that has fewest, and `n_failed` the number of runs without a result.",
     .example = "report joint --id lh-five --table lh_ramp/points",
-    .refuses = "A claim that is no joint one; a table that is not there.",
+    .refuses = "A claim that is not a joint one; a table that does not exist.",
     .options = joint_params,
     .act = print_joint};

@@ -66,27 +66,29 @@ static rp_status print_claims(cli_call *call, const void *values)
 
 static const cli_command claims = {
     "claims",
-    "published claims and their verdicts",
+    "print the published claims and their verdicts",
     "[options]",
-    "Every claim of both papers with its verdict. The header counts the claims with each verdict.\n"
-    "  reproduced, not reproduced   result of the claim's test, which report/claims.tsv names; of our own\n"
-    "              claims, beyond the papers (`ours`): supported, not supported\n"
-    "  open        our error or the paper's is too large\n"
-    "  no data     the table with our value has not been made\n"
-    "Column `fixed`: whether the test was fixed before the runs, or after a look at some. Column `failed`: "
-    "runs without a result at the grid points that the claim reads, of all runs there, their causes, and how "
-    "the mean changes without them.",
+    "Prints every claim of both papers with its verdict. The header counts the claims with each verdict.\n"
+    "  reproduced, not reproduced  result of the claim's test, which is named in\n"
+    "                              report/claims.tsv\n"
+    "  supported, not supported    the same for our own claims, beyond the papers\n"
+    "                              (`ours`)\n"
+    "  open                        our error or the error of the paper is too large\n"
+    "  no data                     the table with our value has not been made\n"
+    "Column `fixed` says whether the test was fixed before the runs, or after a look at some of them. Column "
+    "`failed` has the runs without a result at the grid points that the claim reads, the number of all runs "
+    "there, their causes, and how the mean changes without them.",
     "report claims --paper lh",
     claims_params,
-    .refuses = "A claim without what its test needs; a table without the cells that a claim names.",
+    .refuses = "A claim that lacks what its test needs; a table without the cells that a claim names.",
     .act = print_claims};
 
 const cli_command *const report_commands[] = {&claims, &report_joint_command, &report_page, NULL};
 
 int main(int argc, char **argv)
 {
-    static const cli_program report = {
-        "report", "Report", "what two papers claim, and what the tables of this repository say of it",
-        report_commands};
+    static const cli_program report = {"report", "Report",
+                                       "compares the claims of two papers with the tables of this repository",
+                                       report_commands};
     return cli_main(&report, argc, argv);
 }

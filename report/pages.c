@@ -287,23 +287,25 @@ static rp_status fill_page(cli_call *call, const void *values)
 
 const cli_command report_page = {
     "page",
-    "a text of the report, filled from tables",
+    "fill a text of the report from tables",
     "TEXT [--tables DIR,...] [-o FILE]",
-    "Fill the places {{word ...}} of a text. The row of a table is the one whose cells equal all key=value.\n"
+    "Fills the places {{word ...}} of a text. The row of a table is the one whose cells equal all "
+    "key=value.\n"
     "  {{value T k=v COL}}          value +- standard error\n"
-    "  {{cell T k=v COL FORMAT}}    the cell itself, in the format given (%.Ng or %.Nf)\n"
+    "  {{cell T k=v COL FORMAT}}    the cell itself, in the given format (%.Ng or %.Nf)\n"
     "  {{note T KEY}}               a header line of the table\n"
     "  {{rows T k=v ... | COL ...}} one line of a table for each row; COL:FORMAT, COL:+- for value +- error\n"
-    "  {{published ID}}             the number that the paper gives\n"
+    "  {{published ID}}             the number in the paper\n"
     "  {{ours ID}}                  our number, as a claim compares it\n"
-    "  {{difference ID}}            that number less what it is compared with\n"
-    "  {{number ID}}                how many values it is the mean of\n"
-    "  {{verdict ID}}               verdict on a claim\n"
-    "  {{scores SECTION}}           the claims of a section on the page in short: paper, here, verdict\n"
-    "  {{claims PAPER}}             those of a paper in full, with variants, counts, failed runs, notes\n"
+    "  {{difference ID}}            our number minus the number that it is compared with\n"
+    "  {{number ID}}                the number of values whose mean it is\n"
+    "  {{verdict ID}}               the verdict on a claim\n"
+    "  {{scores SECTION}}           the claims of a section in short: paper, here, verdict\n"
+    "  {{claims PAPER}}             the claims of a paper in full, with variants, counts, failed runs, "
+    "notes\n"
     "  {{counts PAPER}}             how many claims of a paper have which verdict\n"
     "  {{failures all}}             the sweeps behind the claims that have runs without a result\n"
-    "A table that has not been made gives `no data` in a table; a line of text then names it instead.",
+    "If a table has not been made, a table shows `no data`, and a line of text names the missing table.",
     "report page report/text/paper-repro.md.in -o paper-repro.md",
     page_params,
     .refuses = "A place with an unknown word, or whose table has no such row or column.",

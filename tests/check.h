@@ -46,6 +46,7 @@
     X(suite_scene)                                                                                           \
     X(suite_keys)                                                                                            \
     X(suite_schemas)                                                                                         \
+    X(suite_wrong)                                                                                           \
     X(suite_helpers)                                                                                         \
     X(suite_figures)                                                                                         \
     X(suite_evidence)                                                                                        \

@@ -1,15 +1,18 @@
 /* Stand in for functions of the C library, and do as they do until a failure is ordered; see faults.h. */
 #include "tests/faults.h"
 
+#include <dirent.h>
 #include <dlfcn.h>
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
 #include <signal.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <sys/types.h>
 #include <unistd.h>
 
@@ -19,6 +22,7 @@ static bool all_fail, failing;
 
 time_t fault_monotonic_clock;
 void (*fault_watch)(const char *call, int file, const char *from, const char *to);
+volatile bool *fault_seen;
 bool fault_shared_file_system;
 double fault_tick, fault_monotonic_tick;
 
@@ -79,11 +83,14 @@ static bool fails(fault kind)
     if (failing) return true;
     if (--calls_left > 0) return false;
     failing = all_fail;
+    if (fault_seen) *fault_seen = true;
     return true;
 }
 
 /* A function that sets errno to `code` and returns -1 where it shall fail, and else does as the library's. */
 #define CAN_FAIL(kind, code, type, name, parameters, arguments)                                              \
+    CAN_FAIL_AS(-1, kind, code, type, name, parameters, arguments)
+#define CAN_FAIL_AS(failed, kind, code, type, name, parameters, arguments)                                   \
     type name parameters;                                                                                    \
     type name parameters                                                                                     \
     {                                                                                                        \
@@ -91,15 +98,36 @@ static bool fails(fault kind)
         if (!real) *(void **)&real = dlsym(RTLD_NEXT, #name);                                                \
         if (!fails(kind)) return real arguments;                                                             \
         errno = code;                                                                                        \
-        return -1;                                                                                           \
+        return failed;                                                                                       \
     }
 
+CAN_FAIL(FAULT_FILE, EIO, int, access, (const char *path, int mode), (path, mode))
+CAN_FAIL(FAULT_FILE, EIO, int, stat, (const char *path, struct stat *info), (path, info))
+CAN_FAIL(FAULT_FILE, EIO, int, lstat, (const char *path, struct stat *info), (path, info))
+CAN_FAIL(FAULT_FILE, EIO, int, fstat, (int file, struct stat *info), (file, info))
+CAN_FAIL(FAULT_FILE, EACCES, int, mkdir, (const char *path, mode_t mode), (path, mode))
+CAN_FAIL_AS(NULL, FAULT_FILE, EMFILE, FILE *, fopen, (const char *path, const char *mode), (path, mode))
+CAN_FAIL_AS(NULL, FAULT_FILE, ENOMEM, FILE *, fdopen, (int file, const char *mode), (file, mode))
+CAN_FAIL_AS(NULL, FAULT_FILE, EMFILE, DIR *, opendir, (const char *path), (path))
+CAN_FAIL_AS(NULL, FAULT_FILE, EIO, struct dirent *, readdir, (DIR * folder), (folder))
 CAN_FAIL(FAULT_FORK, EAGAIN, pid_t, fork, (void), ())
 CAN_FAIL(FAULT_SYNC, EIO, int, fdatasync, (int file), (file))
 CAN_FAIL(FAULT_WRITE, ENOSPC, ssize_t, pwrite64, (int file, const void *bytes, size_t n, off64_t at),
          (file, bytes, n, at))
 CAN_FAIL(FAULT_SEND, ENOBUFS, ssize_t, send, (int to, const void *bytes, size_t n, int flags),
          (to, bytes, n, flags))
+
+int open(const char *path, int flags, ...); /* <fcntl.h> may have an inline one */
+int open(const char *path, int flags, ...)
+{
+    static int (*real)(const char *, int, ...);
+    va_list args;
+    va_start(args, flags);
+    const mode_t mode = va_arg(args, mode_t); /* of no meaning without O_CREAT */
+    va_end(args);
+    if (!real) *(void **)&real = dlsym(RTLD_NEXT, "open");
+    return fails(FAULT_FILE) ? (errno = EMFILE, -1) : real(path, flags, mode);
+}
 
 int fsync(int file)
 {
@@ -181,7 +209,7 @@ int clock_gettime(clockid_t clock, struct timespec *t)
 #ifdef __SANITIZE_ADDRESS__
 bool fault_possible(fault kind)
 {
-    return kind != FAULT_MALLOC;
+    return kind != FAULT_MALLOC && kind != FAULT_FILE;
 }
 #else
 bool fault_possible(fault kind)

@@ -6,13 +6,16 @@
 #include <sys/types.h>
 #include <time.h>
 
-typedef enum { FAULT_FORK, FAULT_SYNC, FAULT_WRITE, FAULT_SEND, FAULT_MALLOC, N_FAULTS } fault;
+typedef enum { FAULT_FORK, FAULT_SYNC, FAULT_WRITE, FAULT_SEND, FAULT_MALLOC, FAULT_FILE, N_FAULTS } fault;
 
 /* The call-th call from now on fails, in this process and in those that it forks; `for_good`: so do all that
  * follow. call = 0 takes the order back. */
 void fault_order(fault kind, long call, bool for_good);
 
-/* Sanitizers have a malloc of their own. */
+/* In shared memory, unless NULL: set when a call has failed, in whatever process. */
+extern volatile bool *fault_seen;
+
+/* Sanitizers have functions of their own for memory and files. */
 bool fault_possible(fault kind);
 
 /* By which the monotonic clock is wrong, s. */

@@ -60,7 +60,7 @@ if grep -qs '\bfma\b' /proc/cpuinfo; then
     fused=$build/fused
     printf '#include "core/version.h"\nint main(void) { return rp_build_check(); }\n' >"$fused.c"
     for contract in fast off; do
-        ${CC:-gcc} -O2 -mfma -U__FMA__ -ffp-contract=$contract -Isrc -o "$fused" "$fused.c" src/core/version.c src/core/status.c &&
+        ${CC:-gcc} -O2 -mfma -U__FMA__ -ffp-contract=$contract -D_GNU_SOURCE -Isrc -o "$fused" "$fused.c" src/core/version.c src/core/status.c src/core/plain.c &&
             "$fused"
         [ $? = $([ $contract = off ] && echo 0 || echo 70) ] || { echo "lint: -ffp-contract=$contract: rp_build_check() errs" && bad=1; }
     done

@@ -1,23 +1,24 @@
 # What takes long, or needs programs that `make setup` does not install.
-.PHONY: fuzz analyze drill changes mutate check-readers check-arm64 check-report studies
-fuzz: ## every reader by libFuzzer, with clang: make fuzz FOR=60 (seconds each), FOR=runs=100000, TARGETS='scene line'
+.PHONY: fuzz analyze analyze-readers drill changes mutate check-readers check-arm64 check-report studies
+fuzz: ## fuzz every reader with libFuzzer and clang: make fuzz FOR=60 (seconds each), FOR=runs=100000, TARGETS='scene line'
 	@sh tests/fuzz/fuzz.sh $(B) $(or $(FOR),60) $(JOBS) $(TARGETS)
-analyze: $(REPOSE) ## gcc -fanalyzer, cppcheck, clang-tidy, scan-build, valgrind, against the list in tests/analyze.txt
+analyze: $(REPOSE) ## compare gcc -fanalyzer, cppcheck, clang-tidy, scan-build and valgrind with the list in tests/analyze.txt
 	@sh tests/analyze.sh $(B) $(JOBS)
-drill: $(B)/check $(REPOSE) $(REPORT) ## 2000 kills (KILLS=) and every other failure done to sweeps, the matrix of determinism, and `make changes`
+analyze-readers:
+	@sh tests/analyze.sh $(B) $(JOBS) readers
+drill: $(B)/check $(REPOSE) $(REPORT) ## fault-injection tests of sweeps, with 2000 kills (KILLS=); the matrix of determinism; `make changes`
 	@RP_DRILL=$(or $(KILLS),2000) REPOSE=$(REPOSE) $(B)/check drill && sh tests/drill/matrix.sh $(B) && sh tests/changes/changes.sh $(B)
-changes: $(B)/check $(REPOSE) $(REPORT) ## small changes of each kind: each passes its suites, and none of its files can be forgotten; CHANGES='column command'
+changes: $(B)/check $(REPOSE) $(REPORT) ## check that small changes of each kind pass, and that none of their files can be forgotten; CHANGES='column command'
 	@sh tests/changes/changes.sh $(B) $(CHANGES)
-mutate: | $(SETUP_FIRST) ## changes models, statistics, commands and figures line by line: do the tests see it? MUTANTS=300, SEED=0 draws them
+mutate: | $(SETUP_FIRST) ## mutation test: change the program line by line, and count what the tests detect; MUTANTS=300, SEED=0 draws them
 	@sh tests/mutate/mutate.sh $(B) $(or $(MUTANTS),300) $(JOBS) $(or $(SEED),0)
-check-readers: $(REPOSE) $(B)/check ## exports read by LAMMPS, VTK and pandas; as root, installs them
-	@sh tests/setup.sh lammps python3-vtk9 python3-pandas
+check-readers: $(REPOSE) $(B)/check setup-peers ## read exports with LAMMPS, VTK and pandas; as root, installs them
 	@REPOSE=$(REPOSE) $(B)/check export
-check-arm64: $(REPOSE) ## the tests of equal bits for 64-bit Arm, by qemu in a Debian root of its own; needs root, mmdebstrap and 1 GB
+check-arm64: $(REPOSE) ## tests of bitwise identity on 64-bit Arm, with qemu in its own Debian root; needs root, mmdebstrap and 1 GB
 	@sh tests/arm64.sh
-check-report: figures ## build/report.html in headless Chromium: pictures, controls, console, widths; installs pandoc and Chromium
+check-report: figures ## test build/report.html in headless Chromium: pictures, controls, console, widths; installs pandoc and Chromium
 	@$(make_html) && sh report/page/check.sh $(B)
-studies: $(STUDIES:%=$(B)/studied/%) ## larger ensembles, for days: their tables, into results; resumable
+studies: $(STUDIES:%=$(B)/studied/%) ## run larger ensembles for days, with tables in results; can be stopped and continued
 $(B)/studied/%: %.cfg $(CODE)
 	@echo "sweep   $* --study" && $(REPOSE) sweep make $< -o $(B)/sweeps/$* --tables $(B)/studies/$* -j $(JOBS) --study
 	@mkdir -p $(@D) results/$* && cp $$(ls $(B)/studies/$*/*.tsv | grep -v '/runs.tsv$$\|/row_[0-9]*.tsv$$') results/$* && sh report/keep.sh && touch $@
@@ -31,5 +32,5 @@ $(T)/bench/%.tsv: $(CODE) $(wildcard validation/peers/*)
 	@mkdir -p $(@D) && echo "bench   $*" && bash validation/peers/$(BENCH_$*) >$@
 $(T)/bench/done: $(T)/bench/peers.tsv
 	@touch $@
-bench: $(B)/figures/bench.svg ## speed against LAMMPS and LIGGGHTS, instructions, scaling, two workers; tables and a figure
+bench: $(B)/figures/bench.svg ## compare speed with LAMMPS and LIGGGHTS; instructions, scaling, two workers; tables and a figure
 	@$(MAKE) --no-print-directory -j1 $(addprefix $(T)/bench/,instructions.tsv scaling.tsv workers.tsv)

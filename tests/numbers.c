@@ -57,7 +57,8 @@ void numbers_text(gsl_rng *rng, const char *without, char text[NUMBERS_TEXT])
                                         ">hit",
                                         "!touch hit",
                                         "\xc3\xa9"};
-    static const char letters[] = "'\"\\`$;|&<>#%{}[]()*?~!^@=+-_,.:/ \n\t\r\x01aZ9";
+    static const char letters[] = "'\"\\`$;|&<>#%{}[]()*?~!^@=+-_,.:/ \n\t\r\x01"
+                                  "aZ9";
     const size_t n_words = sizeof words / sizeof *words;
     const size_t most = 1 + gsl_rng_uniform_int(rng, NUMBERS_TEXT - 1);
     *text = '\0';

@@ -301,10 +301,10 @@ static void test_added_radii(void)
             "dt = 1e-5; walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
             "fill = { N = 2; W = 2.0; H = 2.0; radius_law = `table`; radii = ( (0.2, 1.0) ); };\n"
             "phases = ( { name = `add`; add = { kind = `new`; x = 5.0; y = `r`; %s }; steps = 0; } );\n"
-            "measure = ( { name = `r`; of = `new.y`; } );\n",
+            "measure = ( { name = `at`; of = `new.y`; } );\n",
             cases[k][0]);
         RUN_TRIAL(t, text, 10, "ok");
-        CHECK_NEAR(measured(&t, "r"), atof(cases[k][1]), 1e-15);
+        CHECK_NEAR(measured(&t, "at"), atof(cases[k][1]), 1e-15);
     }
 }
 

@@ -47,7 +47,7 @@ static void test_runs(void)
     CHECK_NEAR(cell(&runs, 3, "v"), cell(&row, 0, "v"), 0.0);
     FAILS(65, "c: holds fit.cfg, key ", "calibrate fit.cfg -o c");
     /* an answer that the budget ends has no name; more goes on */
-    FAILS(1, "; 24 of 30 runs, and the next stage needs 24: --budget gives more",
+    FAILS(1, "; 24 of 30 runs are made, and the next stage needs 24 more: give a larger --budget",
           "calibrate fit.cfg -o b --budget 30 --quiet");
     SHELL("! test -e b && test -s b.part/stage_1_1.tsv");
     CU_ASSERT(run("calibrate fit.cfg -o b") == 0);
@@ -81,7 +81,7 @@ static void test_runs(void)
     SHELL("$REPOSE calibrate two.cfg -o e >out 2>err");
     CHECK_NEAR(found("mu", "value"), 0.3, 0.02);
     CHECK_NEAR(found("mu_roll", "value"), 0.2, 0.05);
-    CHECK_PARTS(out, "# runs: 160 at 40 points, 0 of them without some number, in 2 stages\n",
+    CHECK_PARTS(out, "# runs: 160 at 40 points, 0 of them without some measure, in 2 stages\n",
                 "# v: measured 12.05 +- 0.3, fitted 12.05 +- 0.014", "; runs reach 6.11459 to 20.2175\n",
                 "# left out: 22 of 22 points", "# determined: mu - 0.1983 mu_roll = 0.26082 +- 0.0063\n",
                 "# correlation: mu and mu_roll: 0.51\n"); /* 0.3 of v's error over hypot(0.3, 0.5) */
@@ -89,7 +89,8 @@ static void test_runs(void)
           "calibrate two.cfg -o f >out 2>err");
     CHECK_PARTS(
         err, "not_identified: ", /* both = 25 - 43.3 mu + 20 mu_roll, of which twice tells no more */
-        "determined is mu - 0.4662 mu_roll = 0.20647 +- 0.015; best to separate the names: v of slide.cfg "
+        "determined is mu - 0.4662 mu_roll = 0.20647 +- 0.015; best measure to separate the variables: v of "
+        "slide.cfg "
         "(differs",
         "\nrepose calibrate: after stage 1: mu 0.185 to 0.45, at_least, mu_roll 0 to 0.5, not_identified; "
         "determined is mu - 0.4654 mu_roll = 0.20618");
@@ -97,7 +98,7 @@ static void test_runs(void)
     SHELL("sed -i 's/ where = .*2.mu.; / /; s/16.0; error = 0.5/34.0; error = 9.0/' two.cfg && ! $REPOSE "
           "calibrate two.cfg -o g >out 2>err");
     CU_ASSERT(strstr(err, "not_identified: ") && !strstr(err, "determined is") &&
-              strstr(out, "# determined: not told where the best values lie at an end") != NULL);
+              strstr(out, "# determined: unknown, because the best values lie at an end") != NULL);
     CHECK_PARTS(out, "# both: measured 34 +- 9, fitted 32.8349 +- ", ", residual 0.13; form p = ");
 }
 
@@ -117,14 +118,15 @@ static void test_table(void)
                           "model_error = 0.01; } );\n");
     SHELL("sed -i '2s/^0/-0.0/' t.tsv"); /* the point 0 */
     GOOD("calibrate fit.cfg");
-    CU_ASSERT(strstr(out, "# runs: 40 at 10 points, 0 of them without some number, 10 repeated\n") != NULL);
+    CU_ASSERT(strstr(out, "# runs: 40 at 10 points, 0 of them without some measure, 10 repeated\n") != NULL);
     CHECK_NEAR(found("a", "value"), 0.5, 0.02);
     CHECK_NEAR(found("a", "se"), hypot(hypot(0.02, 0.01), 0.006) / 3.0, 0.001);
     CU_ASSERT(strstr(out, "; form p = 0.") != NULL);
     /* no point twice: that is said, and the form is not tested */
     SHELL("awk 'NR % 4 == 2 || NR == 1' t.tsv >once.tsv && sed 's/t[.]tsv/once.tsv/' fit.cfg >once.cfg");
     GOOD("calibrate once.cfg");
-    CHECK_PARTS(out, "# runs: 10 at 10 points, 0 of them without some number, none repeated: nothing tells",
+    CHECK_PARTS(out,
+                "# runs: 10 at 10 points, 0 of them without some measure, none repeated, so that scatter",
                 "; form p = not known; ");
     /* a step that no polynomial follows, many times measured: no value, no fit, no combination */
     SHELL("awk 'BEGIN { print \"a\\tb\\ty\"; for (i = 0; i < 400; i++) { a = i % 10; b = int(i / 10) % 10;"
@@ -133,9 +135,9 @@ static void test_table(void)
     write_text("step.cfg",
                "fit = { a = [0.0, 9.0]; b = [0.0, 9.0]; };\nmeasured = ( { runs = \"step.tsv\"; of = "
                "\"y\"; value = 1.2; error = 0.02; } );\n");
-    FAILS(1, "bent: the runs bend more than a form can follow", "calibrate step.cfg");
+    FAILS(1, "bent: the runs bend more than the polynomial can follow", "calibrate step.cfg");
     CU_ASSERT(!strstr(out, "fitted") && !strstr(out, "correlation") && isnan(found("a", "lower")));
-    CHECK_PARTS(out, "# determined: not told where the runs bend too much\n", "; form p = ");
+    CHECK_PARTS(out, "# determined: unknown, because the runs bend too much\n", "; form p = ");
     /* of two names one that nothing asks, of a wide range */
     SHELL("awk 'NR == 1 { print \"a\\tb\\ty\" } NR > 1 { print $1 \"\\t\" 1000*((NR % 3) - 1) \"\\t\" $2 }' "
           "t.tsv >wide.tsv && sed 's/};/b = [-1000.0, 1000.0]; };/; s/t[.]tsv/wide.tsv/' fit.cfg >wide.cfg");
@@ -162,9 +164,9 @@ static void test_folder(void)
     /* those of large mu end by a word, which is said */
     SHELL("sed 's/time = \"T\";/time = \"T\"; fail = { slow = \"t > 0.04 and vx < 7\"; };/' 'a b/slide.cfg' "
           ">slide.cfg && cp 'a b/fit.cfg' . && $REPOSE calibrate fit.cfg -o slow --quiet >out 2>err");
-    CHECK_PARTS(out, "# failed: no_room 1, slow 4: the numbers are of the other runs\n",
+    CHECK_PARTS(out, "# failed: no_room 1, slow 4: the measures are from the other runs\n",
                 "# runs: 48 at 24 points, 2 of them without",
-                "# range: mu <= 0.35: only there the runs have");
+                "# range: mu <= 0.35: only there do the runs have");
     CHECK_NEAR(found("mu", "value"), 0.3, 0.01);
     SHELL("test mine = \"$(cat 'a b/mine.txt')\"");
 }
@@ -245,7 +247,7 @@ static void test_refused(void)
          "budget = 20: the first stage needs 24 runs"},
         {MU MEASURED("slide.cfg", "v",
                      "0.1") ", { runs = \"t.tsv\"; of = \"y\"; value = 1.0; error = 0.1; } );",
-         "don't go together"}};
+         "cannot be combined"}};
     write_text("slide.cfg", "%s", slide);
     CHECK_REFUSED(cases, "fit.cfg", "calibrate fit.cfg -o r --quiet");
     CHECK_REFUSED(cases, "fit.cfg", "calibrate fit.cfg --dry-run");

@@ -12,6 +12,7 @@
 #include "core/version.h"
 #include "core/random.h"
 #include "core/file.h"
+#include "core/plain.h"
 #include "table/where.h"
 #include "table/table.h"
 #include "params/units.h"
@@ -176,7 +177,7 @@ static void files(void)
     CU_ASSERT(v.a == 7.0 && isinf(v.b) && v.n == 5);
     CHECK_FAILS(read_text("a = 1.0;\nc = 2;", &v), RP_BAD_INPUT, ":2: c: unknown key");
     CHECK_FAILS(read_text("a = 1.0;\n\na = 2.0;", &v), RP_BAD_INPUT, ":3: duplicate setting name");
-    CHECK_FAILS(read_text("n = 2.0;", &v), RP_BAD_INPUT, ":1: n = 2: a whole number expected");
+    CHECK_FAILS(read_text("n = 2.5;", &v), RP_BAD_INPUT, ":1: n = 2.5: a whole number expected");
     CHECK_FAILS(read_text("a = \"2.0\";", &v), RP_BAD_INPUT, ":1: a = \"2.0\": a number expected");
     CHECK_FAILS(read_text("a = true;", &v), RP_BAD_INPUT, "a = true: a number expected");
     CHECK_FAILS(read_text("flag = 1;", &v), RP_BAD_INPUT, "flag = 1: true or false expected");
@@ -240,10 +241,9 @@ static void whole_numbers(void)
         {"@include \"/no/such.cfg\"\n", ":1: @include: a file must be whole in itself"},
         {"n = 5;\n  @include  \"more.cfg\"\n", ":2: @include: a file must be whole in itself"},
         {"text = \"\n@include\"; /*\n@include \"more.cfg\" */", ":1: text: a text on one line, without tabs"},
-        {"text = \" ~\xc2\x80\xdf\xbf\xe0\xa0\x80\xef\xbf\xbf\xf0\x90\x80\x80\xf4\x8f\xbf\xbf\";", NULL}};
-    static const char *const broken[] = {"\x1f",    "\x7f",     "\x80",         "\xc1\x80",
-                                         "\xdf",    "\xe0\xa0", "\xf0\x90\x80", "\xf5\x80\x80\x80",
-                                         "\xc2\xc2"};
+        {"text = \" ~\xc2\xa0\xdf\xbf\xe0\xa0\x80\xef\xbf\xbf\xf0\x90\x80\x80\xf4\x8f\xbf\xbf\";", NULL}};
+    static const char *const broken[] = {"\x1f", "\x7f",     "\x80",         "\xc1\x80",         "\xc2\x80",
+                                         "\xdf", "\xe0\xa0", "\xf0\x90\x80", "\xf5\x80\x80\x80", "\xc2\xc2"};
     values v;
     for (size_t i = 0; i < sizeof broken / sizeof *broken; i++)
         CHECK_FAILS(read_text(check_text("text = \"%s\";", broken[i]), &v), RP_BAD_INPUT, "in UTF-8");
@@ -641,19 +641,21 @@ static void tables(void)
     fclose(out);
 }
 
-/* A file has its name once its bytes are on the disk; two that write it at a time do not mix. */
+/* A file has its name once its bytes are on the disk; one process at a time writes it, in place of what a
+ * killed one has left. */
 static void written_files(void)
 {
     static const char first[] = "# program: repose one";
     const char *path = folder_path(folder, "table.tsv");
     size_t size;
     FILE *one, *two;
+    file_print(check_text("%s.repose_part", path), "left by a killed process");
+    CU_ASSERT(rp_file_was_begun(path));
     CHECK_OK(rp_file_open(path, true, &one));
-    CHECK_OK(rp_file_open(path, true, &two));
+    CHECK_FAILS(rp_file_open(path, true, &two), RP_IO, "table.tsv: another process writes it");
     fputs(first, one);
-    fputs("second", two);
-    CHECK_OK(rp_file_close(path, two, RP_OK));
     CHECK_OK(rp_file_close(path, one, RP_OK));
+    CU_ASSERT(!rp_file_was_begun(path));
     CHECK_OK(rp_file_open(path, true, &two));
     fputs("third", two);
     fault_order(FAULT_SYNC, 1, true);
@@ -787,14 +789,42 @@ static void elementary(void)
     CU_ASSERT(isnan(rp_sin(1e9)) && isnan(rp_cos(INFINITY)) && isnan(rp_tan(NAN)));
 }
 
+/* Texts of strangers: no control character is left, of no encoding, and a long message keeps its end. */
+static void plain_texts(void)
+{
+    static const struct {
+        const char *text, *plain;
+    } texts[] = {{"\xc3\xa9 \xe2\x82\xac \xf0\x9f\x98\x80", NULL},
+                 {"a\x1b[31mb\x7f\x01", "a?[31mb??"},
+                 {"a\tb\r\nc", "a b  c"},
+                 {"\xc2\x9b"
+                  "2J \x9b",
+                  "??2J ?"},
+                 {"\xe9t\xe9", "?t?"},
+                 {"\xc0\x9b \xe0\x80\x9b \xed\xa0\x80 \xf4\x90\x80\x80 \xe2\x82", "?? ??? ??? ???? ??"}};
+    char text[3 * RP_MESSAGE];
+    for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
+        strcpy(text, texts[k].text);
+        CU_ASSERT_EQUAL(rp_is_plain(text), texts[k].plain == NULL);
+        CU_ASSERT_STRING_EQUAL(rp_plain(text), texts[k].plain ? texts[k].plain : texts[k].text);
+        CHECK_FAILS(rp_fail(RP_BAD_INPUT, "%s", texts[k].text), RP_BAD_INPUT, text);
+        CHECK_FAILS(rp_prefix(RP_BAD_INPUT, "%s: ", texts[k].text), RP_BAD_INPUT, text);
+    }
+    memset(text, 'x', sizeof text - 1), text[sizeof text - 1] = '\0';
+    CHECK_FAILS(rp_fail(RP_BAD_INPUT, "begin %s: allowed: [0, 1]", text), RP_BAD_INPUT, "x ... x");
+    CU_ASSERT(strlen(rp_message()) == RP_MESSAGE - 1 && strncmp(rp_message(), "begin x", 7) == 0);
+    CHECK_FAILS(rp_prefix(RP_BAD_INPUT, "file:%d: ", 7), RP_BAD_INPUT, "xx: allowed: [0, 1]");
+    CU_ASSERT(strncmp(rp_message(), "file:7: begin x", 15) == 0);
+}
+
 /* What -ffp-contract=fast makes of it, tests/lint.sh and tests/arm64.sh see. */
 static void exact_build(void)
 {
     CHECK_OK(rp_build_check());
 }
 
-CHECK_SUITE_WITHIN(core, "core", enter, leave, statuses, exact_build, table_append, defaults_and_text,
-                   ranges_and_units, refused_values, keys, inherited, guesses, files, syntax, whole_numbers,
-                   large_files, random_known_answer, random_streams, cut_normal, elementary, tables,
-                   table_text, table_conditions, table_forms, table_append_columns, written_files,
-                   hostile_tables)
+CHECK_SUITE_WITHIN(core, "core", enter, leave, statuses, plain_texts, exact_build, table_append,
+                   defaults_and_text, ranges_and_units, refused_values, keys, inherited, guesses, files,
+                   syntax, whole_numbers, large_files, random_known_answer, random_streams, cut_normal,
+                   elementary, tables, table_text, table_conditions, table_forms, table_append_columns,
+                   written_files, hostile_tables)

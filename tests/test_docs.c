@@ -4,7 +4,7 @@
  *   ```sh or ```python             commands; the block must succeed
  *   ```text, right after it        its output and messages: `...` stands for any text within a line, and
  * alone in a line for any lines; blanks are equal to tabs; lines with # are left out. A last command that
- * fails shows its message, `repose ...`.
+ * fails shows its message, `repose ...`. A line `skipped: ...` tells of a part that was left out.
  *   <!-- test: COMMANDS -->        before a block that takes long, or changes the machine: these run in its
  * place */
 #include <ctype.h>
@@ -13,7 +13,9 @@
 #include "tests/program.h"
 
 #define PAGES(X)                                                                                             \
+    X(browser, "docs/browser.md")                                                                            \
     X(readme, "README.md")                                                                                   \
+    X(experiments, "docs/experiments.md")                                                                    \
     X(first_pile, "docs/first-pile.md")                                                                      \
     X(grains, "docs/grains.md")                                                                              \
     X(install, "docs/install.md")                                                                            \
@@ -119,6 +121,9 @@ static void run_block(block *b)
         fprintf(stderr, "%s", out);
     }
     CU_ASSERT(right);
+    slurp("out", out, sizeof out);
+    for (char *text = out, *said; (said = next_line(&text));)
+        if (strncmp(said, "skipped: ", 9) == 0) check_skip(check_text("%s: %s", b->page, said + 9));
     b->commands[0] = b->instead[0] = b->expected[0] = '\0';
 }
 
@@ -244,11 +249,56 @@ static void every_command(void)
 static void promises(void)
 {
     make_folder();
-    SHELL("cd page && tr '\\n' ' ' <docs/guarantees.md | grep -o 'Suites: [^.]*\\.' >../suites && "
-          "[ $(wc -l <../suites) = $(grep -c '^[0-9]*\\. ' docs/guarantees.md) ] && "
+    SHELL("sed -n 's/^| [0-9]*\\. .*| \\(`.*`\\) |$/\\1/p' page/docs/guarantees.md >suites && cd page && "
+          "[ $(wc -l <../suites) = $(grep -c '^| [0-9]*\\. ' docs/guarantees.md) ] && "
           "grep -o '`[^`]*`' ../suites | tr -d '`' | while read -r s; do "
           "grep -qE \"^CHECK_SUITE[A-Z_]*\\\\($s,\" tests/*.c validation/*.c || "
           "{ echo \"no suite $s\"; exit 1; }; done");
+    leave();
+}
+
+/* Every number of README's evidence stands on the page that its item names first; counts of statements and
+ * the version are those of their sources. */
+static void evidence(void)
+{
+    make_folder();
+    SHELL("cd page && counts='[0-9]* reproduced, [0-9]* not reproduced, [0-9]* open' && "
+          "{ sed -n '/^## Evidence/,/^## Doc/p' README.md | tr -s '\\n ' '  ' | sed 's/ - \\*/\\n*/g'; echo; "
+          "} | "
+          "sed 1d >../items && grep -o \"$counts\" ../items >../ours && "
+          "grep -o \"$counts\" paper-repro.md | diff - ../ours && [ $(wc -l <../items) = 4 ] && "
+          "while read -r item; do page=$(echo \"$item\" | sed 's/^[^(]*(\\([^)]*\\)).*/\\1/'); "
+          "for n in $(echo \"$item\" | grep -oE '[0-9]+([.][0-9]+)?'); do "
+          "grep -qE \"(^|[^0-9.])$n([^0-9.]|[.]?$|[.][^0-9])\" $page || { echo \"$page: no $n\"; exit 1; }; "
+          "done; done <../items && "
+          "grep -q \"version $(sed -n 's/^#define RP_VERSION \"\\(.*\\)\"/\\1/p' src/core/version.h),\" "
+          "README.md");
+    leave();
+}
+
+/* What the pages say of frames, corners and heights: tables of a turned box are in the laboratory frame,
+ * corners of a circle lie on it and its lowest side is level, and `flanks` takes heights from 0.1 to 0.9. */
+static void facts(void)
+{
+    enter();
+    write_text("turn.cfg", "steps = 100; gravity = [0.0, 0.0]; box_turn_deg_per_step = 0.1;\n"
+                           "walls = ( { circle = [0.0, 0.0, 2.0]; sides = 5; } );\n"
+                           "particles = ( { x = 0.5; y = 0.0; r = 0.1; } );\n");
+    GOOD("run turn.cfg --every 100 -o turn");
+    scoped_table states = read_table("turn/states.tsv"), walls = read_table("turn/walls.tsv");
+    CU_ASSERT_FATAL(states.n_rows == 2 && walls.n_rows == 10);
+    CU_ASSERT(cell(&states, 1, "x") == 0.5 && cell(&states, 1, "y") == 0.0);
+    bool level = false;
+    for (size_t k = 0; k < 5; k++) {
+        const double x = cell(&walls, k, "x"), y = cell(&walls, k, "y");
+        CHECK_NEAR(x * x + y * y, 4.0, 1e-14);
+        level |= y < 0.0 && fabs(cell(&walls, k, "direction_y") - 1.0) < 1e-15;
+    }
+    CU_ASSERT(level);
+    GOOD("params experiment");
+    SHELL(
+        "sed -n '/of = \"flanks\"/,/of = \"deposit\"/p' out | awk '/^  (from|to) / { printf \"%s \", $4 }' | "
+        "grep -x '0.1 0.9 '");
     leave();
 }
 
@@ -274,5 +324,5 @@ static void comparison(void)
     CU_ASSERT_FALSE(same("a\n...\nd\n", "a\nd\ne\n"));
 }
 
-CHECK_SUITE(docs, "docs", comparison, every_command, promises, readme, first_pile, grains, install,
-            performance, physics, programs, scenes, sweeps)
+CHECK_SUITE(docs, "docs", comparison, every_command, promises, evidence, facts, browser, readme, experiments,
+            first_pile, grains, install, performance, physics, programs, scenes, sweeps)

@@ -281,7 +281,8 @@ static bool inject(fault kind, long call, bool persistent)
     }
     const int end = end_of(child);
     /* libraries end a process without memory */
-    const bool expected = end == RP_OK || end == RP_IO || (end == RP_NO_RESULT && kind == FAULT_SEND),
+    const bool expected = end == RP_OK || end == RP_IO || (end == RP_NO_RESULT && kind == FAULT_SEND) ||
+                          (end == RP_BAD_INPUT && kind == FAULT_FILE),
                without = end == RP_NO_RESULT || end == RP_NO_MEMORY || end == RP_BAD_INPUT ||
                          end == 128 + SIGSEGV || end == 128 + SIGABRT;
     CHECK_OR_SAY(expected || (kind == FAULT_MALLOC && without), "fault %d of call %ld: %d", (int)kind, call,

@@ -180,7 +180,7 @@ static void wedge(void)
     double height[2];
     GOOD("sweep plan examples/wedge_sweep.cfg -o plan");
     for (int k = 0; k < 2; k++) {
-        height[k] = measured("wedge.cfg", check_text(few, k ? 0.3 : 0.0), "height");
+        height[k] = measured("wedge.cfg", check_text(few, k ? 0.3 : 0.0), "heap_height");
         if (!check_fast()) CHECK_NEAR(measured("wedge.cfg", NULL, "below"), 600.0, 0.0);
     }
     static const double said[] = {0.250, 0.207, 0.166, 0.239, 0.180, 0.227},
@@ -188,7 +188,7 @@ static void wedge(void)
     for (int k = 0; k < 6 && check_full(); k++) {
         CU_ASSERT(run("run examples/wedge_sweep.cfg --row %d -o heap%d", 10 * k, k) == 0);
         scoped_table t = read_table("out");
-        CHECK_NEAR(cell(&t, 0, "height"), said[k], 4.0 * sd);
+        CHECK_NEAR(cell(&t, 0, "heap_height"), said[k], 4.0 * sd);
     }
     if (!check_fast()) CU_ASSERT(height[0] > 0.03 && height[1] > 1.3 * height[0] && height[1] < 0.15);
 }

@@ -8,7 +8,7 @@
 
 /* Two grains fall from rest beside each other, then lie on a floor that is a wall with a name. */
 static const char fall[] =
-    "dt = 1.0e-4; gravity = (0.0, -1000.0); let = { h = 5.0; d = 7.0; m = 7.0; };\n"
+    "dt = 1.0e-4; gravity = (0.0, -1000.0); let = { h = 5.0; };\n"
     "walls = ( { name = `floor`; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
     "particles = ( { x = 1.0; y = `h`; r = 0.1; m = 0.01; }, { x = 3.0; y = `h`; r = 0.2; m = 0.03; } );\n"
     "regions = { left_half = { x = (0.0, 2.0); }; disk = { circle = (3.0, `h`, 1.5); };\n"
@@ -20,7 +20,7 @@ static const char fall[] =
     "  { name = `fastest`; of = `speed`; at = `fall`; }, { name = `e`; of = `kinetic`; at = `fall`; },\n"
     "  { name = `mean_e`; of = `energy`; at = `fall`; },\n"
     "  { name = `fell`; of = `moved(1.2)`; at = `fall`; },\n"
-    "  { name = `not`; of = `moved(1.3)`; at = `fall`; },\n"
+    "  { name = `stay`; of = `moved(1.3)`; at = `fall`; },\n"
     "  { name = `in`; of = `disk.grains`; at = `fall`; },\n"
     "  { name = `in_m`; of = `disk.mass`; at = `fall`; }, { name = `t1`; of = `t`; at = `fall`; },\n"
     "  { name = `T`; of = `time`; }, { name = `s`; of = `step`; },\n"
@@ -34,7 +34,8 @@ static const char fall[] =
     "  { name = `steps_y`; of = `change(t)`; during = `fall`; },\n"
     "  { name = `first`; of = `t`; during = `land`; take = `first`; every = 70; },\n"
     "  { name = `weight`; of = `floor.fy`; }, { name = `side`; of = `floor.fx`; },\n"
-    "  { name = `top`; of = `height`; }, { name = `l`; of = `left`; }, { name = `r`; of = `right`; },\n"
+    "  { name = `top`; of = `height`; }, { name = `l`; of = `left`; }, { name = `right_end`; of = `right`; "
+    "},\n"
     "  { name = `touching`; of = `contacts`; }, { name = `columns`; of = `cells`; },\n"
     "  { name = `above`; of = `high.speed`; at = `fall`; },\n"
     "  { name = `by_most`; of = `t`; during = `fall`; level_of = `most`; },\n"
@@ -50,8 +51,8 @@ static void test_closed_forms(void)
     /* Verlet has the fall exact; half of ten samples is left out of the least */
     CHECK_EACH(measured(&t, NAME), 1e-9, {"y1", 5.0 - fell}, {"v", -50.0}, {"all", 5.0 - fell},
                {"fastest", 50.0}, {"e", 0.5 * 0.04 * 2500.0}, {"mean_e", 0.25 * 0.04 * 2500.0},
-               {"most", 50.0}, {"least", 30.0}, {"l", 0.9}, {"r", 3.2}, {"sum", -48.0});
-    CHECK_EACH(measured(&t, NAME), 0.0, {"fell", 2.0}, {"not", 0.0}, {"in", 1.0}, {"in_m", 0.03},
+               {"most", 50.0}, {"least", 30.0}, {"l", 0.9}, {"right_end", 3.2}, {"sum", -48.0});
+    CHECK_EACH(measured(&t, NAME), 0.0, {"fell", 2.0}, {"stay", 0.0}, {"in", 1.0}, {"in_m", 0.03},
                {"side", 0.0}, {"touching", 1.0}, {"columns", 2.0}, {"above", 0.0}, {"some", 40.0});
     /* a let named d leaves the mean grain's diameter as it is: columns; samples each 0.005 s; the first
      * beyond 25 cm/s is late */
@@ -167,7 +168,7 @@ static void test_phases(void)
         "  { name = `back`; gravity = (0.0, -500.0); steps = 3; } );\n"
         "measure = ( { name = `tilt`; of = `tilt_deg`; at = `wait`; take = `max`; },\n"
         "  { name = `passes`; of = `pass`; at = `wait`; take = `max`; series = true; },\n"
-        "  { name = `speed`; of = `tilt_deg`; during = `turn`; every = 10; take = `rate`; skip = 0.5; },\n"
+        "  { name = `turning`; of = `tilt_deg`; during = `turn`; every = 10; take = `rate`; skip = 0.5; },\n"
         "  { name = `later`; of = `phase_step`; during = `turn`; every = 10; take = `first`; skip = 0.5; },\n"
         "  { name = `none`; of = `t`; during = `turn`; take = `avalanches`; every = 10; drop = 0.005; "
         "optional = true; },\n"
@@ -175,7 +176,7 @@ static void test_phases(void)
         "  { name = `falls`; of = `imbalance`; } );\n";
     RUN_TRIAL(t, text, 37, "ok_turned");
     CHECK_EACH(measured(&t, NAME), 1e-9, {"tilt", 5.0}, {"passes", 5.0}, {"steps", 5.0 * 200.0 + 3.0},
-               {"speed", 100.0}, {"later", 60.0}, {"none_n", 0.0}, /* of each pass */
+               {"turning", 100.0}, {"later", 60.0}, {"none_n", 0.0}, /* of each pass */
                {"falls", 1.0});
     CU_ASSERT(isnan(measured(&t, "nothing")) && exp_steps(t.run) == 1003);
     CU_ASSERT(!exp_series_name(t.plan, 1) && strcmp(exp_series_name(t.plan, 0), "series_passes.tsv") == 0);
@@ -239,14 +240,14 @@ static void test_line_without_error(void)
         "dt = 1.0e-4; gravity = [0.0, 0.0]; particles = ( { x = 1.0; y = 5.0; r = 0.1; } );\n"
         "phases = ( { name = `wait`; every = 10; steps = %s; } );\n"
         "measure = ( { name = `l`; of = `%s`; during = `wait`; take = `line`; against = `t`; },\n"
-        "  { name = `m`; of = `%s`; during = `wait`; } );\n";
+        "  { name = `mid`; of = `%s`; during = `wait`; } );\n";
     static const char *const cases[][2] = {{"100", "sin(3000*t)"}, {"2000", "sin(12*t)"}};
     for (size_t k = 0; k < 2; k++) {
         RUN_TRIAL(t, check_text(text, cases[k][0], cases[k][1], cases[k][1]), 100, "ok");
         CU_ASSERT(isfinite(measured(&t, "l_0")) && isfinite(measured(&t, "l_1")) &&
-                  isfinite(measured(&t, "m")));
+                  isfinite(measured(&t, "mid")));
         CU_ASSERT(isnan(measured(&t, "l_0_se")) && isnan(measured(&t, "l_1_se")) &&
-                  isnan(measured(&t, "m_se")));
+                  isnan(measured(&t, "mid_se")));
     }
 }
 
@@ -457,8 +458,9 @@ static void test_where(void)
     CU_ASSERT(strcmp(exp_where(one.run, text, sizeof text), "fill") == 0);
     CHECK_OK(exp_advance(one.run, 500));
     CHECK_OK(exp_advance(two.run, 500));
-    CHECK_PARTS(exp_where(one.run, text, sizeof text), "fill: energy = ", ", until held(energy < 1e-3, 3)");
-    CU_ASSERT(strcmp(exp_where(two.run, text, sizeof text), "fall: step 500 of 2000") == 0);
+    CHECK_PARTS(exp_where(one.run, text, sizeof text),
+                "fill: step 500, t = 0.025: energy = ", ", until held(energy < 1e-3, 3)");
+    CHECK_PARTS(exp_where(two.run, text, sizeof text), "fall: step 500 of 2000, t = 0.0");
     scoped_trial three;
     start(&three, check_changed(hopper, "held(energy < 1e-3, 3)", "energy < 1e-3 and rest"));
     CHECK_OK(exp_advance(three.run, 500));
@@ -551,7 +553,8 @@ static void test_refused(void)
          "r234567890123456789012345678901 = { y = [0.0, 1.0]; }; r2345678901234567890123456789012 = {",
          "\"r2345678901234567890123456789012\": the name of a region has up to 31 letters"},
         {hopper, "bulk = {", "D = {", "D names a let and a region"},
-        {hopper, "mu = 0.2;", "mu = 0.2; height = 3.0;", "let.height: is an observable"},
+        {hopper, "mu = 0.2;", "mu = 0.2; height = 3.0;",
+         "let height: height already stands for something in every expression"},
         {hopper, "x = [0.5, 1.5]; y = [0.0, 1.0];", "z = 3;", "regions.bulk.z: unknown key"},
         {hopper, "x = [0.5, 1.5]; y = [0.0, 1.0];", "", "bulk: x, y or both, or circle, or polygon expected"},
         {hopper, "name = `depth`", "name = `D`", "D names a let and a measure"},
@@ -602,7 +605,7 @@ static const char three_phases[] =
     "phases = ( { name = `a`; steps = 6000; }, { name = `b`; tangential = { mu = 0.6; }; dt = 4.0e-5; steps "
     "= 3000; },\n"
     "  { name = `c`; open = `right`; add = { r = 0.1; x = 1.0; y = `touch + d`; }; time = 0.2; } );\n"
-    "measure = ( { name = `n`; of = `grains`; } );\n";
+    "measure = ( { name = `left_over`; of = `grains`; } );\n";
 
 static uint64_t digest_of(const trial *t)
 {
@@ -614,7 +617,7 @@ static uint64_t digest_of(const trial *t)
 static void test_started_at(void)
 {
     RUN_TRIAL(whole, three_phases, 1000000, "ok");
-    CU_ASSERT(measured(&whole, "n") == 61.0);
+    CU_ASSERT(measured(&whole, "left_over") == 61.0);
     for (size_t phase = 1; phase < 3; phase++) {
         scoped_trial first, rest;
         start(&first, three_phases);
@@ -625,7 +628,7 @@ static void test_started_at(void)
         CU_ASSERT(digest_of(&rest) == before);
         finish(&rest, 77);
         CU_ASSERT(digest_of(&first) == before && digest_of(&rest) == digest_of(&whole));
-        CU_ASSERT(exp_steps(rest.run) == exp_steps(whole.run) && measured(&rest, "n") == 61.0);
+        CU_ASSERT(exp_steps(rest.run) == exp_steps(whole.run) && measured(&rest, "left_over") == 61.0);
         CHECK_OK(exp_advance(first.run, 1));
         CU_ASSERT(digest_of(&first) != before);
     }
@@ -779,7 +782,7 @@ static void test_sweeps_refused(void)
         {"experiment = \"h.cfg\"; grid = { unused = [1.0, 1.0]; };", "appears twice in the grid"},
         {"experiment = \"files.cfg\";", "particles_file: a text that is swept must be whole in itself"},
         {"experiment = \"included.cfg\";", "included.cfg:1: @include: a file must be whole in itself"},
-        {"experiment = \"taken.cfg\";", "taken.cfg: replica is a column that every sweep has"},
+        {"experiment = \"taken.cfg\";", ": replica is a column that every sweep has"},
         {"experiment = \"mean.cfg\";", "mean.cfg: rate_mean is a let, and what a sweep's points call a"},
         {"experiment = \"pile.cfg\"; grid = { pile = [1.0, 2.0]; };",
          "pile: is a column that every sweep has"},
@@ -855,7 +858,7 @@ static void test_turned_walls(void)
         "phases = ( { name = `lie`; box_turn_deg_per_step = 0.02; steps = 1000; } );\n"
         "measure = ( { name = `px`; of = `plate.x`; }, { name = `py`; of = `plate.y`; },\n"
         "  { name = `lx`; of = `line.x`; }, { name = `ly`; of = `line.y`; },\n"
-        "  { name = `m`; of = `plate.torque`; }, { name = `fx`; of = `plate.fx`; }, { name = `fy`; of = "
+        "  { name = `about`; of = `plate.torque`; }, { name = `fx`; of = `plate.fx`; }, { name = `fy`; of = "
         "`plate.fy`; } );\n";
     RUN_TRIAL(about, turned, 1000, "ok");
     RUN_TRIAL(other, check_changed(turned, "(0.7, 0.4)", "(0.0, 0.0)"), 1000, "ok");
@@ -864,7 +867,7 @@ static void test_turned_walls(void)
     CHECK_PAIRS(1e-12, {measured(&about, "px"), 0.0}, {measured(&about, "py"), 0.0},
                 {measured(&about, "lx"), 1.0}, {measured(&about, "ly"), 0.0});
     CU_ASSERT(fy < -1.0);
-    CHECK_NEAR(measured(&other, "m") - measured(&about, "m"), x * fy - y * fx, 1e-9);
+    CHECK_NEAR(measured(&other, "about") - measured(&about, "about"), x * fy - y * fx, 1e-9);
 }
 
 /* vx, vy and spin of a grain after its oblique impact on a wall. */
@@ -1390,7 +1393,7 @@ static void test_refused_more(void)
         {lift, "of = `y`; at = `lie`", "of = `y`; during = `up`; every = 1000000000",
          "measure y0: no samples: phase up has"},
         {lift, "name = `x2`; of = `x`", "name = `m`; of = `x`; }, { name = `top`; of = `2*m`",
-         "m is a constant and an earlier measure; give the measure another name"},
+         "measure m: m already stands for something in every expression (the mass of the mean grain)"},
         {lift, "of = `y`; at = `lie`", "of = `y`; unit = `m`", "unit = m: the text's units are cgs; cm"},
         {lift, "v = 2.0", "v = { value = 2.0; range = `[3, 1]`; }",
          "let.v: range = \"[3, 1]\": [a, b] from the lower"},
@@ -1404,8 +1407,8 @@ static void test_refused_more(void)
          "let.v: unit = J: the text's units are cgs; erg"},
         {lift, "v = 2.0", "v = { value = 2.0; unit = `1/min`; }",
          "let.v: unit = 1/min: the text's units are cgs"},
-        {lift, "name = `x2`; of = `x`", "name = `height`; of = `x`; }, { name = `top`; of = `height`",
-         "height is an observable and an earlier measure; give the measure another name"},
+        {lift, "name = `x2`; of = `x`", "name = `x`; of = `x`; }, { name = `top`; of = `x`",
+         "x is an observable and an earlier measure; give the measure another name"},
         {lift, "name = `x2`; of = `x`; }, { name = `y2`; of = `y`",
          "name = `x2`; of = `x`; }, { name = `y2`; of = `2*x2`; at = `wait`", "x2 is measured after this"},
         {lift, "of = `y`; at = `lie`", "of = `change(y)`", "change and held need samples"},

@@ -1,6 +1,6 @@
 /* `repose export`: what it writes, read back. The comparisons are in tests/readers.py: in every check by the
  * standard library of Debian's Python; by LAMMPS, VTK and pandas where these are installed (`make
- * check-readers` installs them). */
+ * setup-peers` installs them). */
 #include <limits.h>
 
 #include "dem/law/laws.h"
@@ -20,12 +20,17 @@ static bool readers(const char *words)
     return right;
 }
 
-/* Is the program, or the module of Python, installed? */
-static bool has(const char *command, const char *what)
+/* Is the program, or the module of Python, installed? Without it a test, or a part of one, is skipped. */
+static bool has(const char *command, const char *what, void skip(const char *reason))
 {
     const bool there = shell_line("{ %s; } >out 2>err", command) == 0;
-    if (!there) check_skip(check_text("not by %s, which is not installed (make check-readers)", what));
+    if (!there) skip(check_text("needs %s, which `make setup-peers` installs", what));
     return there;
+}
+
+static bool has_lammps(void)
+{
+    return has("command -v lmp", "LAMMPS", check_skip_test);
 }
 
 /* Grains that fall into a corner with a wall that opens; one leaves. */
@@ -111,7 +116,8 @@ static void test_sweep(void)
 static void test_back(void)
 {
     write_text("back.cfg",
-               "dt = 2e-5; particles = ( { x = 0.0; y = 9.0; r = 0.1; }, { x = 1.0; y = 9.0; r = 0.1; } );\n"
+               "y_min = -9.0; dt = 2e-5; particles = ( { x = 0.0; y = 9.0; r = 0.1; }, { x = 1.0; y = 9.0; r "
+               "= 0.1; } );\n"
                "output = { states = 20; energy = 20; };\n"
                "phases = ( { name = \"a\"; steps = 40; }, { name = \"b\"; steps = 45; },\n"
                "  { name = \"c\"; from = \"a\"; steps = 30; }, { name = \"d\"; steps = 0; } );\nmeasure = ( "
@@ -170,7 +176,7 @@ static void test_errors(void)
     FAILS(65, "no grains", "export pile --to lammps --where 'step>9999'");
     FAILS(65, "neither a run (states.tsv) nor a sweep (sweep.cfg)", "export . --to csv");
     FAILS(65, "nowhere: cannot read", "export nowhere --to csv");
-    FAILS(64, "scene.cfg: a scene is exported by --to lammps-input", "export scene.cfg --to vtk");
+    FAILS(64, "scene.cfg: a scene is exported with --to lammps-input", "export scene.cfg --to vtk");
     FAILS(64, "--reduce needs a sweep", "export pile --to csv --reduce");
     FAILS(64, "--set needs --to lammps-input", "export pile --to csv --set mu=1");
     FAILS(64, "vtk needs a name that ends in .pvd", "export pile --to vtk -o a.vtk");
@@ -322,6 +328,12 @@ static void test_vtk_files(void)
 }
 
 /* Header lines that stand again are a list; what is no header line, or has no name, is left out. */
+#define CHECK_REFUSED_JSON(text)                                                                             \
+    do {                                                                                                     \
+        FAILS(65, text, "export t.tsv --to json");                                                           \
+        CU_ASSERT(*out == '\0');                                                                             \
+    } while (0)
+
 static void test_text_files(void)
 {
     write_text("t.tsv",
@@ -343,6 +355,28 @@ static void test_text_files(void)
     FAILS(65, "two columns have one name", "export t.tsv --to json --columns x,y,x");
     write_text("t.tsv", "a\tb\ntrue\tfalse\n");
     PRINTS("{\"a\": true, \"b\": false}\n]}\n", "export t.tsv --to json");
+    /* bytes that JSON or a terminal cannot have; none is written before */
+    write_text("t.tsv", "# by: Andr\xe9\na\tb\n1\t2\n");
+    CHECK_REFUSED_JSON("t.tsv: the header is no UTF-8");
+    write_text("t.tsv", "a\tb\xb5\n1\t2\n");
+    CHECK_REFUSED_JSON("t.tsv: the header is no UTF-8");
+    PRINTS_ALL("a\n1\n", "export t.tsv --to csv --columns a");
+    PRINTS("{\"a\": 1}", "export t.tsv --to json --columns a");
+    write_text("t.tsv", "a\tb\n1\t2\n3\tm\xfc\n");
+    CHECK_REFUSED_JSON("t.tsv:3: b = \"m?\": no UTF-8");
+    PRINTS_ALL("a,b\n1,2\n3,m\xfc\n", "export t.tsv --to csv");
+    static const char *const controls[] = {"\x1b[2J", "\x07", "\x7f",
+                                           "\x9b"
+                                           "2J",
+                                           "\xc2\x9b"
+                                           "2J"};
+    for (size_t k = 0; k < sizeof controls / sizeof *controls; k++)
+        for (int place = 0; place < 3; place++) {
+            write_text("t.tsv", "# by: me%s\na\tb%s\n1\t2%s\n", place == 0 ? controls[k] : "",
+                       place == 1 ? controls[k] : "", place == 2 ? controls[k] : "");
+            FAILS(65, check_text("t.tsv:%d: no text: a control character (byte ", place + 1),
+                  "stats select t.tsv");
+        }
     /* columns without names have numbers */
     write_text("bare.txt", "1 2\n3 4\n");
     PRINTS_ALL("1,2\n1,2\n3,4\n", "export bare.txt --to csv");
@@ -418,7 +452,7 @@ enum { N_SAME = sizeof same / sizeof *same };
 static void test_lammps_input(void)
 {
     char names[128] = "lammps_input";
-    if (has("command -v lmp", "lmp")) {
+    if (has_lammps()) {
         write_grains("grains.tsv");
         for (size_t i = 0; i < N_SAME; i++) {
             const char *name = same[i].name;
@@ -460,7 +494,7 @@ static void spin_apart(const char *shape, double E, double apart[3])
 
 static void test_spins(void)
 {
-    if (!has("command -v lmp", "lmp")) return;
+    if (!has_lammps()) return;
     for (int disk = 0; disk < 2; disk++) {
         double soft[3], stiff[3];
         spin_apart(disk ? "disk" : "sphere", 3e8, soft);
@@ -709,12 +743,12 @@ static void test_refused(void)
 
 static void test_readers(void)
 {
-    static const char *const cases[][3] = {{"command -v lmp", "lmp", "lammps"},
+    static const char *const cases[][3] = {{"command -v lmp", "LAMMPS", "lammps"},
                                            {PYTHON "-c 'import vtkmodules'", "VTK", "vtk"},
                                            {PYTHON "-c 'import pandas'", "pandas", "pandas"}};
     export_formats();
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
-        if (has(cases[k][0], cases[k][1])) CU_ASSERT(readers(cases[k][2]));
+        if (has(cases[k][0], cases[k][1], check_skip)) CU_ASSERT(readers(cases[k][2]));
 }
 
 /* Random texts as names of columns and units, and as names of files: CSV and JSON have them as they are, the

@@ -1,8 +1,11 @@
 /* What people keep in and beside the program's folders: no command changes it. */
 #include <signal.h>
+#include <sys/mman.h>
 
+#include "core/file.h"
 #include "core/folder.h"
 #include "core/random.h"
+#include "tests/faults.h"
 #include "tests/program.h"
 
 #define SCENE "steps = 4; gravity = [0.0, 0.0]; particles = ( { x = 0.0; y = 0.0; r = 0.1; } );\n"
@@ -201,5 +204,135 @@ static void test_random_folders(void)
     }
 }
 
+/* ---- one call fails, or the process is killed ---- */
+
+static long failing;
+
+static void order_failure(void)
+{
+    fault_order(FAULT_FILE, failing, false);
+}
+
+static void order_nothing(void)
+{
+}
+
+/* Whichever call for files fails, a command ends with a message, or with all that it makes otherwise. */
+static void test_failing_calls(void)
+{
+    enum { MOST_CALLS = 400 };
+    static const char *const commands[] = {"run s.cfg -o n",
+                                           "run w.cfg --row 1 -o n",
+                                           "pile --base 4 -o n",
+                                           "sweep make w.cfg -o n -j 1 --quiet",
+                                           "sweep export w -o n",
+                                           "sweep merge part",
+                                           "export r --to json -o n",
+                                           "export r --to lammps -o n.dump",
+                                           "export r --to vtk -o n.pvd",
+                                           "export s.cfg --to lammps-input -o n.in",
+                                           "calibrate f.cfg"};
+    if (CHECK_SKIPS("sanitizers have functions of their own for files")) return;
+    fault_seen = mmap(NULL, sizeof *fault_seen, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    CU_ASSERT_FATAL(fault_seen != MAP_FAILED);
+    write_text("s.cfg", SCENE);
+    write_text("w.cfg", SWEEP);
+    write_text("f.cfg", "fit = { base = [3, 9]; };\nmeasured = ( { runs = \"w/tables/runs.tsv\"; of = \"N\"; "
+                        "value = 2.0; error = 1.0; } );\n");
+    GOOD("run s.cfg -o r");
+    GOOD("sweep make w.cfg -o w -j 1 --quiet");
+    GOOD("sweep plan w.cfg -o part");
+    CU_ASSERT(run("sweep run part --shard 1/2 -j 1 --quiet") == 0);
+    for (size_t k = 0; k < sizeof commands / sizeof *commands; k++) {
+        const long step = getenv("RP_DRILL") || k == 0 ? 1 : 10;
+        SHELL("rm -rf n*");
+        const int whole = run_begun(commands[k], order_nothing);
+        SHELL("{ find n* -type f | sort; cat n*/.repose; } 2>/dev/null >files; tail -n +6 out >printed; :");
+        for (failing = 1 + (long)k % step, *fault_seen = true; *fault_seen; failing += step) {
+            SHELL("rm -rf n*");
+            *fault_seen = false;
+            const int end = run_begun(commands[k], order_failure);
+            const bool same =
+                end == whole &&
+                shell("{ find n* -type f | sort; cat n*/.repose; } 2>/dev/null | cmp -s - files && "
+                      "tail -n +6 out | cmp -s - printed") == 0;
+            slurp("err", err, sizeof err);
+            CHECK_OR_SAY(same || (end != 0 && end < 128 && *err), "%s: call %ld: %d %s", commands[k], failing,
+                         end, err);
+        }
+        CU_ASSERT(failing > 1 + (long)k % step && failing < MOST_CALLS);
+    }
+    fault_seen = NULL;
+}
+
+/* Names with control characters, in a message, a closing line, a note and what a plan prints. */
+static void test_terminal(void)
+{
+    write_text("s.cfg", SCENE);
+    write_text("w.cfg", SWEEP);
+    SHELL("e=$(printf 'e\\033[2J\\302\\2332J') && cp s.cfg \"$e.cfg\" && cp w.cfg \"$e.s\" && exec >all 2>&1 "
+          "&& "
+          "\"$REPOSE\" run \"$e.cfg\" -o \"$e\" && \"$REPOSE\" run \"$e.cfg\" -o \"$e\"; "
+          "\"$REPOSE\" run \"$e.cfg\"; \"$REPOSE\" \"$e\"; \"$REPOSE\" run \"--$e\"; \"$REPOSE\" view "
+          "\"$e.x\" -o a.svg; "
+          "\"$REPOSE\" sweep plan \"$e.s\" -o \"$e.w\" && \"$REPOSE\" sweep run \"$e.w\" -j 1; "
+          "\"$REPOSE\" sweep export \"$e.w\"; \"$REPOSE\" stats select \"$e/states.tsv\"; "
+          "\"$REPOSE\" run s.cfg --set \"$e=1\"; \"$REPOSE\" run s.cfg --set \"units=$e\"; :");
+    SHELL("test $(wc -l <all) -gt 40 && ! LC_ALL=C grep \"$(printf '[\\001-\\010\\013-\\037\\177]')\" all "
+          ">&2 && ! LC_ALL=C "
+          "grep \"$(printf '\\302\\233')\" all >&2");
+}
+
+/* So many of anything that is looked for by name are refused, with the limit. */
+static void test_most(void)
+{
+    static const char *const kinds[][2] = {{"phases", "{ name = \"p%d\"; steps = 1; }"},
+                                           {"measure", "{ name = \"p%d\"; of = \"height\"; }"},
+                                           {"walls", "{ point = (%d.0, 0.0); direction = (0.0, 1.0); }"}};
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+        FILE *scene = file_of("m.cfg");
+        fputs("particles = ( { x = 0.0; y = 0.0; r = 0.1; } );\n", scene);
+        if (k == 1) fputs("phases = ( { name = \"a\"; steps = 1; } );\n", scene);
+        fprintf(scene, "%s = (", kinds[k][0]);
+        for (int i = 0; i <= 10000; i++) {
+            fputs(i ? ",\n" : " ", scene);
+            fprintf(scene, check_text("%s", kinds[k][1]), i);
+        }
+        fputs(" );\n", scene);
+        fclose(scene);
+        FAILS(65, check_text("%s: 10001 ", kinds[k][0]), "run m.cfg");
+        CU_ASSERT_PTR_NOT_NULL(strstr(err, "at most 10000"));
+    }
+}
+
+/* What a killed export leaves goes with its next call. */
+static void test_killed_exports(void)
+{
+    static const char *const exports[] = {"export r --to csv -o n", "export r --to lammps -o n.dump",
+                                          "export r --to vtk -o n.pvd",
+                                          "export s.cfg --to lammps-input -o n.in"};
+    write_text("s.cfg", SCENE);
+    GOOD("run s.cfg -o r");
+    for (size_t k = 0; k < sizeof exports / sizeof *exports; k++)
+        for (long call = 1, end = 0; end != 0 || call == 1; call++) {
+            CU_ASSERT_FATAL(call < 20);
+            SHELL("rm -rf n*");
+            end = run_signalled(SIGKILL, "rename", call, exports[k]);
+            CU_ASSERT(end == 0 || end == 128 + SIGKILL);
+            if (end != 0) GOOD("%s", exports[k]);
+            SHELL("! find . -name '*part*' | grep . >&2");
+        }
+    /* one that goes on is not disturbed, and what is a person's is not taken */
+    FILE *other;
+    const char *path = path_of("n");
+    SHELL("rm -rf n*");
+    CHECK_OK(rp_file_open(path, false, &other));
+    FAILS(74, "n: another process writes it", "export r --to csv -o n");
+    CHECK_OK(rp_file_close(path, other, RP_OK));
+    SHELL("echo mine >n.contacts.dump");
+    FAILS(65, "n.contacts.dump: is there", "export r --to lammps -o n.dump");
+    SHELL("test \"$(cat n.contacts.dump)\" = mine && ! test -e n.dump.repose_part");
+}
+
 CHECK_SUITE_WITHIN(folders, "folders", enter, leave, test_refusals, test_forced, test_publish, test_sweeps,
-                   test_random_folders)
+                   test_random_folders, test_terminal, test_most, test_failing_calls, test_killed_exports)

@@ -117,7 +117,7 @@ static void write_extreme(FILE *out, gsl_rng *r)
 /* Refused, ended with a reason, or run; never a crash, and what has run has finite numbers. */
 static void extreme_scenes(void)
 {
-    enum { SCENES = 440, LEAST_RUN = 60 };
+    enum { SCENES = 640, LEAST_RUN = 60 };
     int n_run = 0, n_bad = 0;
     for (unsigned long i = 0; i < SCENES; i++) {
         char text[8192] = "";

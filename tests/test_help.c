@@ -224,6 +224,8 @@ static void test_form(void)
 static void test_help(void)
 {
     each(cli_repose.commands, check_texts), each(report_commands, check_texts);
+    static const char *const first[] = {"run", "view", "sweep", "calibrate"}; /* what a person tries first */
+    for (int k = 0; k < 4; k++) CU_ASSERT_STRING_EQUAL(cli_repose.commands[k]->name, first[k]);
     each(cli_repose.commands, check_help);
     typed = "report";
     each(report_commands, check_help);

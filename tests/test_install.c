@@ -45,16 +45,18 @@ static void test_targets(void)
         /* what a person put among the files stays, a folder that is a link too; an odd name is one folder */
         PASSES(
             "mkdir -p t && echo mine >t/mine && umask 077 && to=\"$PWD/t \xc3\xbc, it's\" && "
-            "mkdir \"$to\" real && ln -s ../real \"$to/bin\" && cd $SOURCE && "
+            "mkdir \"$to\" real && ln -s ../real \"$to/bin\" && mkdir \"$to/lib\" && cd $SOURCE && "
             "for k in 1 2; do sh install.sh $BUILD \"$to\" " RP_VERSION " core stats && echo mine >\"$to\"/"
             "share/repose/examples/mine.cfg || exit; done && ar t \"$to\"/lib/librepose.a | grep -q status.o "
             "&& find \"$to\" -type f ! -perm -044 | grep -v mine; make -s B=$BUILD DESTDIR= PREFIX=\"$to\" "
-            "uninstall >log; cd \"$to\"/..; find t* ! -type d | LC_ALL=C sort");
-        CU_ASSERT_STRING_EQUAL(
-            out, "t \xc3\xbc, it's/bin\nt \xc3\xbc, it's/share/repose/examples/mine.cfg\nt/mine\n");
-        PASSES("cp -r $PREFIX there && make -sC $SOURCE B=$BUILD DESTDIR=$PWD PREFIX=/there uninstall >log "
-               "&& find there ! -type d; find there -name '*repose*'");
-        CU_ASSERT_STRING_EQUAL(out, "");
+            "uninstall >log; cd \"$to\"/..; find t* -type d -empty -o ! -type d | LC_ALL=C sort");
+        CU_ASSERT_STRING_EQUAL(out, "t \xc3\xbc, it's/bin\nt \xc3\xbc, it's/lib\nt \xc3\xbc, "
+                                    "it's/share/repose/examples/mine.cfg\nt/mine\n");
+        /* folders of a former installation are still its own, and so is the prefix that it made */
+        PASSES("for k in 1 2; do sh -c 'cd $SOURCE && sh install.sh $BUILD $0/whole " RP_VERSION
+               " core stats' $PWD && touch whole/lib/mine || exit; done; rm whole/lib/mine; "
+               "cp -r whole there && make -sC $SOURCE B=$BUILD DESTDIR=$PWD PREFIX=/there uninstall && ! ls "
+               "there");
     }
     PASSES("! grep -rIl -e $SOURCE -e $PWD $PREFIX"); /* no path of the build */
 }
@@ -76,6 +78,10 @@ static void test_data(void)
     CHECK_PARTS(out, "/bin: repose  ", "/share/repose: examples python sweeps ");
     PASSES("$PREFIX/bin/repose sweep make sweeps/li/tent.cfg -o tent --tables tables && ls "
            "tables/30_45_38.tsv");
+    /* Python finds the program beside which it is installed, also through a link */
+    PASSES("for folder in share/repose share/doc/repose; do to=$(cd /; env -u REPOSE PATH=/usr/bin:/bin "
+           "PYTHONPATH=$PREFIX/$folder/python python3 -Bc 'import repose; print(repose.program())'); "
+           "test \"$to\" -ef $PREFIX/bin/repose || exit 1; done");
 }
 
 /* A sweep of so many runs under a name of the program's own sweeps. */
@@ -270,7 +276,61 @@ static void test_help_command(void)
     FAILS(RP_USAGE, "unknown command \"more\"", "help lattice more");
 }
 
+/* ---- a machine that lacks packages ---- */
+
+/* What `make` prints on a machine whose programs are those of the folder `bare`. */
+#define BARE_MAKE                                                                                            \
+    "PATH=$PWD/bare make --no-print-directory -C $SOURCE B=$BUILD REPOSE=$BUILD/repose -o $BUILD/repose "
+
+/* `make setup` with these other goals asks for some packages and not for others. */
+static void check_packages(const char *goals, const char *wanted, const char *unwanted)
+{
+    PASSES(check_text(BARE_MAKE "-n -o all -o figures -o check -o lint -o deb -o manual %s >list && "
+                                "for p in %s; do grep -qwe $p list || { cat list; exit 1; }; done; "
+                                "! grep -E '%s' list",
+                      goals, wanted, unwanted));
+    CU_ASSERT_STRING_EQUAL(err, "");
+}
+
+static void test_setup(void)
+{
+    if (CHECK_SKIPS("of make the sanitizers see nothing")) return;
+    install_program();
+    PASSES("mkdir bare && ln -s /usr/bin/* bare && rm -f bare/pandoc bare/dpkg-buildpackage");
+    CU_ASSERT(line_of(BARE_MAKE "manual") != 0 && strstr(err, "`make setup manual`"));
+    CU_ASSERT(!strstr(err, "not found"));
+    CU_ASSERT(line_of(BARE_MAKE "-o dist deb") != 0 && strstr(err, "`make setup deb`"));
+    CU_ASSERT(!strstr(err, "not found"));
+    PASSES("rm bare/pkg-config");
+    CU_ASSERT(line_of(BARE_MAKE "all") != 0 && strstr(err, "`make setup`") && !strstr(err, "pkg-config"));
+    check_packages("setup figures", "libgsl-dev gnuplot-nox", "cunit|clang|python|lammps|vtk|wasm|pandoc");
+    check_packages("setup check", "libgsl-dev gnuplot-nox libcunit1-dev python3",
+                   "lammps|pandas|vtk|wasm|pandoc");
+    check_packages("setup deb", "libgsl-dev build-essential debhelper pandoc", "cunit|clang|lammps|wasm");
+    check_packages("setup-peers", "lammps python3-vtk9 python3-pandas", "libgsl|cunit|wasm");
+    /* where no locale is set, gnuplot would warn */
+    PASSES("LC_ALL=C make -sC $SOURCE B=$BUILD --eval='say: ; @echo $$LC_ALL' say");
+    CU_ASSERT_STRING_EQUAL(out, "C.UTF-8\n");
+}
+
 /* ---- package ---- */
+
+/* One licence for every file of the source; what is linked with GSL and CHOLMOD has another. */
+static void check_licences(void)
+{
+    PASSES("cd $SOURCE && PATH=/usr/bin:/bin python3 -c 'import tomllib; t = "
+           "tomllib.load(open(\"REUSE.toml\", \"rb\")); "
+           "[(a)] = t[\"annotations\"]; print(t[\"version\"], a[\"path\"], a[\"SPDX-License-Identifier\"])'");
+    CU_ASSERT_STRING_EQUAL(out, "1 ** MIT\n");
+    PASSES(
+        "cd $SOURCE && words() { sed 's/^ \\.\\{0,1\\}//' \"$1\" | tr -s ' \\n' '  '; }; for f in LICENSE "
+        "debian/copyright; do "
+        "case $(words $f) in *\"$(words LICENSES/MIT.txt | sed 's/.*Permission/Permission/; s/ $//')\"*) ;; "
+        "*) echo $f; exit 1 ;; esac; done");
+    PASSES("cd $SOURCE && for f in LICENSE docs/install.md src/page/page.html debian/copyright; do "
+           "tr -s ' \\n' '  ' <$f | grep -q 'GNU General Public License, version 3 or later' || { echo $f; "
+           "exit 1; }; done");
+}
 
 /* Version and libraries stand in debian/ a second time. */
 static void test_debian(void)
@@ -283,7 +343,13 @@ static void test_debian(void)
     PASSES("for p in $(sed -n '/^PACKAGES/,/[^\\\\]$/p' $SOURCE/Makefile); do case $p in libcunit*) ;; "
            "lib*-dev|pkg-config) grep -qw -e \"$p\" $SOURCE/debian/control || { echo $p; exit 1; } ;; esac; "
            "done");
+    /* the page on installation has the packages of the program */
+    PASSES("for p in $(sed -n '/^PACKAGES :=/,/[^\\\\]$/s/PACKAGES :=\\|\\\\//gp' $SOURCE/Makefile); do "
+           "grep -q \"\\`$p\\`\" $SOURCE/docs/install.md || { echo $p; exit 1; }; done");
+    PASSES("date -ud \"$(sed -n '/^ -- /{s/.*>  //p;q}' $SOURCE/debian/changelog)\" '+date-released: %F' | "
+           "grep -qxf - $SOURCE/CITATION.cff");
+    check_licences();
 }
 
 CHECK_SUITE_WITHIN(install, "install", enter, leave, test_targets, test_data, test_order, test_headers,
-                   test_examples, test_manual, test_help_command, test_debian)
+                   test_examples, test_manual, test_help_command, test_setup, test_debian)

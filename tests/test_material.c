@@ -139,7 +139,7 @@ static void group_of_a_scene(void)
         {"material = { E = 1.0e8; nu = 0.3; mu = 0.4; };\n", "restitution: missing"},
         {"material = { E = 1.0e8; nu = 0.6; restitution = 0.6; mu = 0.4; };\n", "nu = 0.6: out of range"},
         {"material = { E = 1.0e8; nu = 0.3; restitution = 0.6; mu = 0.4; k_n = 3.0; };\n",
-         "k_n: unknown key"},
+         "material.k_n: does not belong here, but in normal"},
         {"integrator = \"gear5\";\nmaterial = { E = 1.0e8; nu = 0.3; restitution = 0.6; mu = 0.4; };\n",
          "mindlin needs the integrator verlet"},
         {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; E = 1.0e7; } );\n",

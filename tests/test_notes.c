@@ -147,8 +147,8 @@ static void test_idle_options(void)
         const char *others = check_text("%.*s", (int)strcspn(cases[k].option, " "), cases[k].option);
         const int status = run("pile %s %s", cases[k].idle, cases[k].option);
         const bool right = strncmp(err, "repose pile: ", 13) == 0 &&
-                           (strstr(err, "would do nothing") ? strncmp(err + 13, named, strlen(named)) == 0
-                                                            : strstr(err, others) != NULL);
+                           (strstr(err, "has no effect") ? strncmp(err + 13, named, strlen(named)) == 0
+                                                         : strstr(err, others) != NULL);
         if (status != 64 || !right)
             fprintf(stderr, "pile %s %s: %d, %s", cases[k].idle, cases[k].option, status, err);
         CU_ASSERT(status == 64 && right);

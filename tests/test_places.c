@@ -52,6 +52,7 @@ static const struct {
               {"residual", "", "straight line"},
               {"psi6", "", "bond order"},
               {"fabric", "", "anisotropy"},
+              {"force_fabric", "", "anisotropy of our forces"},
               {"bulk_friction", "", "friction"},
               {"left_deg", "", "slope"},
               {"right_deg", "", "slope"},

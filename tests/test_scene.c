@@ -137,14 +137,15 @@ static bool same_wall(const dem_wall *w, const dem_wall *v)
     return same;
 }
 
-/* particles_file: named columns in any order, or all of them without names; masses from the density where
+/* particles_file: named columns in any order; masses from the density where
  * there is no column m; of several steps the last. */
 static void particles_from_table(void)
 {
     static const char *const texts[] = {
         "# omega fixed r vy m y vx angle x\n3 1 0.1 -2 0.005 0.7 4 0.3 0.5\n-1 0 1.5 6 0.2 8 -7 9 2\n5 1 3 4 "
         "5 6 7 8 9\n",
-        "0.5 0.7 0.1 0.005 4 -2 0.3 3 1\n2 8 1.5 0.2 -7 6 9 -1 0\n9 6 3 5 7 4 8 5 1\n",
+        "x y r m vx vy angle omega fixed\n0.5 0.7 0.1 0.005 4 -2 0.3 3 1\n2 8 1.5 0.2 -7 6 9 -1 0\n9 6 3 5 7 "
+        "4 8 5 1\n",
         "# r omega x y vy fixed\n0.1 3.0 0.5 0.7 -2.0 0\n0.08 0.0 0.1 0.9 0.0 1\n",
         "# step r omega x y vy fixed\n0 0.1 3 9 9 -2 0\n0 0.1 0 9 8 0 1\n0 0.2 0 9 7 0 0\n"
         "40 0.1 3 0.5 0.7 -2 0\n40 0.08 0 0.1 0.9 0 1\n",

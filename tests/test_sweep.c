@@ -13,6 +13,7 @@
 #include "core/version.h"
 #include "dem/scene/text.h"
 #include "sweeps/engine/private.h"
+#include "table/columns.h"
 #include "tests/faults.h"
 #include "tests/protocol.h"
 #include "tests/folder.h"
@@ -732,7 +733,7 @@ static void test_models(void)
     CHECK_OK(sweep_prepare(file, other, 0, toys, &c));
     CHECK_OK(run_in(other, 1));
     sql_in(folder_path(other, "store.sqlite"), foreign);
-    snprintf(model, sizeof model, "(toy 3), not by this one (toy %s)", rp_model(text));
+    snprintf(model, sizeof model, "(toy 3), not with this one (toy %s)", rp_model(text));
     CHECK_FAILS(sweep_merge(dir, toys, 1, others, &c), RP_BAD_INPUT, model);
     CHECK_FAILS(sweep_status(other, toys, &c), RP_BAD_INPUT,
                 "planned with another model of the physics (toy 3)");
@@ -965,7 +966,7 @@ static void test_merge(void)
              "UPDATE runs SET results = '{\"y_deg\":2.385,\"never\":null}' WHERE " K " = 3 AND " X
              " = 0.125");
     sql_in(path, result);
-    CHECK_FAILS(sweep_merge(dir, toys, 2, both, &c), RP_BAD_INPUT, "another result than in the stores");
+    CHECK_FAILS(sweep_merge(dir, toys, 2, both, &c), RP_BAD_INPUT, "a different result than in the stores");
     CU_ASSERT(stored() == 22);
     sql_in(path, "UPDATE runs SET status = 'crashed'");
     CHECK_OK(sweep_merge(dir, toys, 2, both, &c)); /* a crash is no result */
@@ -1154,10 +1155,26 @@ static void test_columns(void)
         for (; (*p)->outputs[outputs].name && n < 256; outputs++) names[n++] = (*p)->outputs[outputs].name;
         CU_ASSERT((outputs > 0 || (*p)->text) && outputs <= SWEEP_MAX_OUTPUTS);
         for (size_t i = 0; i < n; i++) {
-            CU_ASSERT(!sweep_column_is_taken(names[i]));
+            CU_ASSERT(rp_word_index(RP_SWEEP_COLUMNS, names[i]) < 0);
             for (size_t j = 0; j < i; j++) CU_ASSERT(strcmp(names[i], names[j]) != 0);
         }
     }
+}
+
+static void count_points(void *context, size_t checked, size_t points)
+{
+    size_t *const seen = context;
+    CU_ASSERT(checked == ++*seen && checked <= points);
+}
+
+/* Planning tells of each grid point. */
+static void test_planning_seen(void)
+{
+    size_t seen = 0;
+    sweep_counts counts;
+    fresh("replicas = 2; grid = { x = [1.0, 2.0, 3.0]; };");
+    CHECK_OK(sweep_prepare_seen(file, dir, 0, toys, count_points, &seen, &counts));
+    CU_ASSERT(seen == counts.points && seen > 1);
 }
 
 CHECK_SUITE_WITHIN(sweep, "sweep", NULL, clean, test_order, test_bundles, test_growing, test_reduce,
@@ -1166,4 +1183,4 @@ CHECK_SUITE_WITHIN(sweep, "sweep", NULL, clean, test_order, test_bundles, test_g
                    test_half_made, test_makers, test_read_only, test_literal_names, test_left_snapshots,
                    test_stop_of_all, test_shards, test_merge, test_merge_of_crashed, test_known_keys,
                    test_digest_of_rows, test_stored_columns, test_recipes, test_physics, test_cleared,
-                   test_columns)
+                   test_columns, test_planning_seen)

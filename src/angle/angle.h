@@ -135,14 +135,16 @@ rp_status ang_slopes(size_t n, const size_t column[], const double h[], double c
 
 typedef struct {
     size_t n, n_flanks, n_flank[2]; /* points of the surface, of each flank from left to right */
+    size_t n_stray;                 /* points that were left out */
     ang_slope flank[2][ANG_N_METHODS], mean[ANG_N_METHODS]; /* mean: of the steepness of two */
 } ang_pile;
 
 /* The flanks of the pile among n > 0 points with x in a range, wherever it is and whatever its ground: an
  * outline or all grains, in any order. A point below another by more than 57 degrees is inside, the others
  * are the surface. A flank is what lies between its lowest and its highest tenth, so that ground before and
- * behind does not count; the sum of method 3 is the area below it. Errors: RP_NO_RESULT with none or more
- * than two, with fewer than 4 points on one, or one no steeper than 3 of its errors; RP_NO_MEMORY. */
+ * behind does not count; the sum of method 3 is the area below it. Where there is no pile with them, a
+ * hundredth of the points at either end, beyond a gap in x, are left out. Errors: RP_NO_RESULT with none or
+ * more than two, with fewer than 4 points on one, or one no steeper than 3 of its errors; RP_NO_MEMORY. */
 rp_status ang_pile_find(size_t n, const double x[], const double y[], const double range[2], ang_pile *pile);
 
 /* ---- piles against theory (compare.c) ---- */

@@ -266,7 +266,8 @@ static rp_status find_flanks(size_t n, const double x[], const double h[], ang_p
         pile->n_flanks, pile->n_flank[0], pile->n_flank[1], LEAST, CLEAR);
 }
 
-rp_status ang_pile_find(size_t n, const double px[], const double py[], const double range[2], ang_pile *pile)
+static rp_status find_within(size_t n, const double px[], const double py[], const double range[2],
+                             ang_pile *pile)
 {
     size_t m = 0, first;
     double *x = calloc(2 * n + 2, sizeof *x), *h = x + n + 1;
@@ -287,6 +288,42 @@ rp_status ang_pile_find(size_t n, const double px[], const double py[], const do
     }
     free(x);
     return status;
+}
+
+/* Of the points with x in a range those between wide gaps, beyond which there are few; returns the number of
+ * others, SIZE_MAX without memory. */
+static size_t leave_strays(size_t n, const double px[], const double range[2], double within[2])
+{
+    double *x = calloc(n + 1, sizeof *x);
+    size_t m = 0;
+    if (!x) return SIZE_MAX;
+    for (size_t i = 0; i < n; i++)
+        if (px[i] >= range[0] && px[i] <= range[1]) x[m++] = px[i];
+    gsl_sort(x, 1, m);
+    const size_t few = m / 100 + 1;
+    size_t first = 0, last = m - 1;
+    if (m > 2 * few + 1) {
+        const double wide = fmax(0.05, 3.0 / (double)m) * (x[m - 1 - few] - x[few]);
+        for (size_t k = 0; k < few; k++) {
+            if (x[k + 1] - x[k] > wide) first = k + 1;
+            if (x[m - 1 - k] - x[m - 2 - k] > wide) last = m - 2 - k;
+        }
+    }
+    if (m > 0) within[0] = x[first], within[1] = x[last];
+    free(x);
+    return m > 0 ? m - 1 - last + first : 0;
+}
+
+rp_status ang_pile_find(size_t n, const double px[], const double py[], const double range[2], ang_pile *pile)
+{
+    double within[2];
+    ang_pile rest;
+    const rp_status status = find_within(n, px, py, range, pile);
+    const size_t strays = status == RP_NO_RESULT ? leave_strays(n, px, range, within) : 0;
+    if (strays == SIZE_MAX) return rp_fail(RP_NO_MEMORY, "surface of %zu points: out of memory", n);
+    if (strays == 0 || find_within(n, px, py, within, &rest)) return status;
+    *pile = rest, pile->n_stray = strays;
+    return RP_OK;
 }
 
 rp_status ang_one_sided(size_t n, const double x[], const double y[], const double ends[2], double diameter,

@@ -4,7 +4,6 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 const char *cli_argument(const cli_call *call, int i)
 {
@@ -20,26 +19,6 @@ void *cli_value(const cli_call *call, const char *name)
 bool cli_given(const cli_call *call, const char *name)
 {
     return call->given[rp_params_find(call->options, name) - call->options];
-}
-
-/* ---- data ---- */
-
-const char *cli_data(rp_arena *arena, const char *name)
-{
-    /* next to the program: where it is installed, then the source above its build folder */
-    static const char *const beside[] = {"../share/repose", "..", "../..", NULL};
-    const char *const set[] = {".", NULL}, *folder = getenv("REPOSE_DATA"), *path;
-    char program[PATH_MAX];
-    if (*name == '/' || access(name, F_OK) == 0) return name;
-    const bool is_set = folder && *folder;
-    if (!is_set && !rp_program(program, sizeof program)) return name;
-    if (!is_set) *strrchr(program, '/') = '\0';
-    for (const char *const *sub = is_set ? set : beside; *sub; sub++) {
-        if (rp_path(arena, &path, "%s/%s/%s", is_set ? folder : program, *sub, name)) continue;
-        char *real = realpath(path, NULL);
-        if (real) return rp_arena_keep(arena, real, free);
-    }
-    return name;
 }
 
 /* ---- the table that is printed ---- */

@@ -43,14 +43,12 @@ const char *cli_argument(const cli_call *call, int i);
 void *cli_value(const cli_call *call, const char *name);
 bool cli_given(const cli_call *call, const char *name);
 
-/* A file that the program brings along, as "sweeps/lh/lh3.cfg", by this name in the current folder; else in
- * the data folder. That is the one REPOSE_DATA names; where it is not set, ../share/repose next to the
- * program, or the source that the program was built in. The name itself where there is no such file. */
-const char *cli_data(rp_arena *arena, const char *name);
-
 /* Start a table with provenance; cli_table notes the numbers and words among the options' values too. */
 void cli_provenance(const cli_call *call, FILE *out);
 void cli_table(const cli_call *call, FILE *out);
+
+/* A line on standard error, whatever texts of strangers it has. */
+void cli_say(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* ---- commands and their options ---- */
 
@@ -80,22 +78,23 @@ void cli_table(const cli_call *call, FILE *out);
 /* Options that several commands have. */
 #define CLI_WHERE(X)                                                                                         \
     X(TEXTS, where, "", "", "",                                                                              \
-      "rows that meet a condition, as floor=ends, W != 4 or x > 1 and y <= 2*x; several must all hold")
+      "use only rows that meet a condition, such as floor=ends, W != 4 or x > 1 and y <= 2*x; may be "       \
+      "repeated")
 #define CLI_BY(X, fallback, what)                                                                            \
-    X(TEXT, by, "", fallback, "", "columns (a or a,b,...) whose different cells make the " what)
+    X(TEXT, by, "", fallback, "", "columns (a or a,b,...) whose different values make the " what)
 #define CLI_RANGE(X, what)                                                                                   \
     X(REAL, from, "", "-1e308", "(-inf, inf)", "smallest " what " that is used")                             \
     X(REAL, to, "", "1e308", "(-inf, inf)", "largest " what " that is used")
 #define CLI_PHI(X)     X(REAL, phi_deg, "deg", "60", "(0, 90)", "inclination of the rays of force")
 #define CLI_WORKERS(X) X(INT, j, "", "auto", "[1, 4096] | auto", "worker processes; auto: one per processor")
 #define CLI_LIMITS(X)                                                                                        \
-    X(REAL, mem, "MB", "infinite", "(0, inf) | infinite", "memory that one run may take")                    \
-    X(REAL, time, "s", "infinite", "(0, inf) | infinite", "time that one run may take")
+    X(REAL, mem, "MB", "infinite", "(0, inf) | infinite", "memory limit of one run")                         \
+    X(REAL, time, "s", "infinite", "(0, inf) | infinite", "time limit of one run")
 #define CLI_QUIET(X) X(BOOL, quiet, "", "false", "", "no progress and no closing line on standard error")
 #define CLI_POSITIONS(X)                                                                                     \
     X(INT, points, "", "auto", "[2, 10000000] | auto",                                                       \
       "number of equidistant positions from 0 to B; auto: 201 unless --at is given")                         \
-    X(TEXT, at, "", "auto", "", "positions as fractions of B, as in 0.1,0.25")
+    X(TEXT, at, "", "auto", "", "positions as fractions of B, such as 0.1,0.25")
 
 /* One command: text of --help, options of the parser, and the function that acts on their values. Options of
  * one letter take one dash. Each line of the synopsis is a way to call the command; its first word in
@@ -179,9 +178,13 @@ void cli_print_counts(const cli_call *call, const sweep_counts *counts);
 /* May this sweep's file be planned in the folder? Not over another sweep, unless by `force`. Errors:
  * RP_BAD_INPUT; RP_IO. */
 rp_status cli_claim_sweep(const char *directory, const char *file, bool force);
+
+/* Plan it there, with progress. Errors: those of sweep_prepare. */
+rp_status cli_sweep_plan(const char *file, const char *directory, size_t replicas, bool quiet,
+                         sweep_counts *counts);
 #define CLI_FORCE(X)                                                                                         \
     X(BOOL, force, "", "false", "",                                                                          \
-      "replace the file or the finished result that is there, or plan over another sweep")
+      "replace an existing file or result, or give the folder to a different sweep")
 
 /* One degree in radians, and the number of an array's elements. */
 static const double deg = M_PI / 180.0;

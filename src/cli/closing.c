@@ -1,6 +1,8 @@
 /* Looks at a run, and its closing line; see closing.h. */
 #include "cli/closing.h"
 
+#include "cli/cli.h"
+
 #include <limits.h>
 #include <math.h>
 #include <unistd.h>
@@ -37,9 +39,9 @@ static rp_status measure(rp_arena *arena, const dem_sim *sim, pile *s)
 void cli_tell_threads(const dem_sim *sim, const char *command, long threads)
 {
     if (threads > 1 && !dem_threads_serve(sim))
-        fprintf(stderr,
-                "repose %s: -j %ld has no use here: one thread works. Threads serve velocity Verlet without "
-                "hard collisions and ledger, from some 16000 grains on; there are %zu\n",
+        cli_say("repose %s: -j %ld has no effect: only velocity Verlet is threaded, without rigid-body "
+                "impulses (hard) or "
+                "energy ledger, from some 16000 grains on; there are %zu",
                 command, threads, dem_count(sim));
 }
 
@@ -132,11 +134,9 @@ void cli_looks_at_frame(void *looks, const exp_run *run)
     const size_t n = l->quiet || l->over_friction ? 0 : dem_over_friction(exp_sim(run), &over);
     if (over == 0) return;
     l->over_friction = true;
-    fprintf(
-        stderr,
-        "repose run: warning: t = %.5g: the shear force of %zu of %zu contacts exceeds mu times the normal "
-        "force: damping = \"outside\" adds the dashpot to this limit, \"inside\" obeys it\n",
-        dem_time(exp_sim(run)), over, n);
+    cli_say("repose run: warning: t = %.5g: the tangential force of %zu of %zu contacts exceeds mu times the "
+            "normal force, because damping = \"outside\" adds the dashpot to this limit; \"inside\" obeys it",
+            dem_time(exp_sim(run)), over, n);
 }
 
 void cli_looks_keep(rp_snapshot *s, void *looks)
@@ -158,7 +158,7 @@ void cli_close_energy(const cli_looks *l, const dem_sim *sim, FILE *states)
              "damping",
              100.0 * grown);
     rp_table_note(states, "warning", "%s", text);
-    fprintf(stderr, "repose run: warning: %s\n", text);
+    cli_say("repose run: warning: %s", text);
 }
 
 /* Grains left of a right wall that has opened, or right of a left one: the pile that stays. */
@@ -188,11 +188,10 @@ rp_status cli_slope_of(rp_arena *arena, const dem_sim *sim, cli_slope *slope)
     return ang_one_sided(s.n, x, y, slope->x, s.d, &slope->theta_r);
 }
 
-void cli_close_line(const char *directory, const char *printed)
+void cli_close_line(const char *said, const char *directory, const char *printed)
 {
-    fprintf(stderr, "; %s%s", *directory ? "tables in " : printed, *directory ? "" : " on standard output");
-    for (const char *c = directory; *c; c++) fputc(*c == '\n' || *c == '\r' ? ' ' : *c, stderr);
-    fputc('\n', stderr);
+    cli_say("repose run: %s; %s%s", said, *directory ? "tables in " : printed,
+            *directory ? directory : " on standard output");
 }
 
 /* " cm" or another unit of the scene; numbers in units of the grains have none. */
@@ -209,16 +208,17 @@ void cli_close_run(const cli_looks *looks, const dem_sim *sim, const char *direc
     char unit[32];
     cli_slope slope;
     if (cli_slope_of(looks->arena, sim, &slope)) return;
-    fprintf(stderr, "repose run: %zu grains, %ld steps, t = %.5g%s; %s", dem_count(sim), dem_step(sim),
-            dem_time(sim), unit_text(dem_units(sim), "s", unit), rest ? "at rest" : "not at rest");
+    const char *said =
+        rp_text(looks->arena, "%zu grains, %ld steps, t = %.5g%s; %s", dem_count(sim), dem_step(sim),
+                dem_time(sim), unit_text(dem_units(sim), "s", unit), rest ? "at rest" : "not at rest");
     if (rest && !isnan(slope.theta_r.theta)) {
-        static const double deg = M_PI / 180.0;
         /* walls give way by parts of a grain: three digits of the length, and no minus of a zero */
         const double digit = pow(10.0, floor(log10(slope.x[1] - slope.x[0])) - 2.0);
-        fprintf(stderr, "; theta_R = %.1f degrees, standard error %.1f, over x = %.6g to %.6g%s (method 3)",
-                slope.theta_r.theta / deg, slope.theta_r.theta_se / deg,
-                digit * round(slope.x[0] / digit) + 0.0, digit * round(slope.x[1] / digit) + 0.0,
-                unit_text(dem_units(sim), "cm", unit));
+        said = rp_text(looks->arena,
+                       "%s; theta_R = %.1f degrees, standard error %.1f, over x = %.6g to %.6g%s (method 3)",
+                       said, slope.theta_r.theta / deg, slope.theta_r.theta_se / deg,
+                       digit * round(slope.x[0] / digit) + 0.0, digit * round(slope.x[1] / digit) + 0.0,
+                       unit_text(dem_units(sim), "cm", unit));
     }
-    cli_close_line(directory, "states");
+    cli_close_line(said, directory, "states");
 }

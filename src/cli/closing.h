@@ -49,8 +49,7 @@ void cli_close_energy(const cli_looks *looks, const dem_sim *sim, FILE *states);
 /* Say on standard error if so many threads have no use for the simulation as it is. */
 void cli_tell_threads(const dem_sim *sim, const char *command, long threads);
 
-/* The end of that line, in which the end of a line in a folder's name is a blank; without a folder: what is
- * printed. */
-void cli_close_line(const char *directory, const char *printed);
+/* A line of such an end; without a folder: what is printed. */
+void cli_close_line(const char *said, const char *directory, const char *printed);
 
 #endif

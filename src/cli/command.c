@@ -2,9 +2,11 @@
 #include "cli/cli.h"
 
 #include <signal.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/plain.h"
 #include "core/version.h"
 #include "table/where.h"
 #include "params/guess.h"
@@ -31,7 +33,7 @@ void cli_overview(const cli_program *program, const cli_command *group, FILE *ou
     fprintf(out, "usage: %s %s%sCOMMAND [options]; %s %s%sCOMMAND --help says more\n\n", name, of, blank,
             name, of, blank);
     for (const cli_command *const *c = group ? group->group : program->commands; *c; c++)
-        fprintf(out, "  %-10s %s\n", cli_own_name(*c), (*c)->summary);
+        fprintf(out, "  %-11s %s\n", cli_own_name(*c), (*c)->summary);
 }
 
 /* The command of a group, or for NULL of the program, that argv[1] names. */
@@ -63,7 +65,7 @@ static rp_status read_tables(const cli_call *call, rp_table **table)
 {
     rp_table *next;
     for (int i = 0; i < call->n_arguments; i++) {
-        RP_TRY(rp_table_load(call->arena, cli_data(call->arena, cli_argument(call, i)), &next));
+        RP_TRY(rp_table_load(call->arena, rp_data(call->arena, cli_argument(call, i)), &next));
         if (*table) RP_TRY(rp_table_append(*table, next));
         if (!*table) *table = next;
     }
@@ -102,6 +104,16 @@ rp_status cli_run(cli_call *call, const cli_command *command, int argc, char **a
     return act(call, NULL);
 }
 
+void cli_say(const char *format, ...)
+{
+    char text[RP_MESSAGE];
+    va_list args;
+    va_start(args, format);
+    rp_plain_print(text, format, args);
+    va_end(args);
+    fprintf(stderr, "%s\n", text);
+}
+
 /* ---- a program ---- */
 
 static void exhausted(void)
@@ -135,7 +147,7 @@ int cli_main(const cli_program *program, int argc, char **argv)
     /* a failed write is an error, and a failure has one message */
     if (!status) status = rp_file_finish(call.out, "standard output");
     if (status && argc > 1)
-        fprintf(stderr, "%s%s%s: %s\n", program->name, named ? " " : "", named ? argv[1] : "", rp_message());
+        cli_say("%s%s%s: %s", program->name, named ? " " : "", named ? argv[1] : "", rp_message());
     rp_arena_release(&arena, NULL);
     return (int)status;
 }

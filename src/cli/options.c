@@ -158,7 +158,7 @@ static rp_status check_given(const cli_call *call)
     for (int i = 1; i < call->n_arguments; i++) /* it would count twice */
         for (int k = 0; k < i; k++)
             if (strcmp(call->arguments[i], call->arguments[k]) == 0)
-                return rp_fail(RP_USAGE, "%s: stands twice", call->arguments[i]);
+                return rp_fail(RP_USAGE, "%s: given twice", call->arguments[i]);
     if (count_fits(c->synopsis, call->n_arguments)) return RP_OK;
     rp_status status = rp_fail(RP_USAGE, "usage: %s %s %.*s; see %s %s --help", call->program->name, c->name,
                                (int)strcspn(c->synopsis, "\n"), c->synopsis, call->program->name, c->name);
@@ -223,7 +223,7 @@ rp_status cli_parse(cli_call *call, const cli_command *command, int argc, char *
                            call->program->name, command->name);
         const rp_param *p = c < 256 ? rp_params_find(call->options, letter + 1) : &call->options[c - 256];
         if (p->type == RP_TEXT && !*optarg && (!p->fallback || !*p->fallback)) /* as of -o "$unset" */
-            return rp_fail(RP_USAGE, "%s%s: empty; leave it out, or give a value", cli_dashes(p), p->name);
+            return rp_fail(RP_USAGE, "%s%s is empty; leave it out, or give a value", cli_dashes(p), p->name);
         call->given[p - call->options] = true;
         status = rp_params_set_text(p, RP_CGS, call->values, p->type == RP_BOOL ? "true" : optarg);
         rp_prefix(status, "%s", cli_dashes(p));

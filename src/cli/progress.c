@@ -3,8 +3,10 @@
 #include <stdarg.h>
 #include <unistd.h>
 
+#include "cli/cli.h"
 #include "cli/progress.h"
 #include "core/clock.h"
+#include "core/plain.h"
 
 /* "1:02:03" or "2:03"; "-" for NaN. */
 static const char *clock_text(double seconds, char *buffer, size_t size)
@@ -68,6 +70,18 @@ void cli_progress_tell(cli_progress *p, double now, const char *where, FILE *out
     fflush(out);
 }
 
+void cli_progress_planning(void *progress, size_t checked, size_t points)
+{
+    cli_progress *p = progress;
+    char text[80];
+    if (!is_due(p, rp_clock())) return;
+    snprintf(text, sizeof text, "%zu of %zu grid points checked", checked, points);
+    if (p->terminal)
+        draw(p, (double)checked / (double)points, text, stderr);
+    else
+        cli_say("repose sweep: %s", text);
+}
+
 static void show_sweep(const sweep_progress *s, void *context)
 {
     cli_progress *p = context;
@@ -88,12 +102,13 @@ static void show_sweep(const sweep_progress *s, void *context)
 static void report(void *context, const char *format, ...)
 {
     cli_progress *p = context;
+    char text[RP_MESSAGE];
     va_list args;
-    fputs(p->drawn ? "\nrepose sweep: " : "repose sweep: ", stderr);
     va_start(args, format);
-    vfprintf(stderr, format, args);
+    rp_plain_print(text, format, args);
     va_end(args);
-    fputc('\n', stderr);
+    if (p->drawn) fputc('\n', stderr);
+    cli_say("repose sweep: %s", text);
     p->drawn = false;
 }
 

@@ -20,6 +20,9 @@ void cli_progress_show(cli_progress *p, double now, long step, FILE *out);
 /* The same of a run whose length is not known: where it is; NULL: it has ended. */
 void cli_progress_tell(cli_progress *p, double now, const char *where, FILE *out);
 
+/* That of planning a sweep. */
+void cli_progress_planning(void *progress, size_t checked, size_t points);
+
 /* That of a sweep, in its own time, and a line for each run that fails. */
 void cli_sweep_progress(sweep_options *options, bool quiet, cli_progress *p);
 

@@ -5,6 +5,17 @@
 
 #include "cli/cli.h"
 #include "cli/progress.h"
+#include "core/clock.h"
+
+rp_status cli_sweep_plan(const char *file, const char *directory, size_t replicas, bool quiet,
+                         sweep_counts *counts)
+{
+    cli_progress progress = cli_progress_start(quiet, isatty(STDERR_FILENO), rp_clock(), 0, 0);
+    const rp_status status = sweep_prepare_seen(file, directory, replicas, sweep_protocols,
+                                                cli_progress_planning, &progress, counts);
+    if (progress.drawn) fputc('\n', stderr);
+    return status;
+}
 
 rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, sweep_counts *counts)
 {

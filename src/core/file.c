@@ -8,7 +8,7 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/random.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -20,54 +20,104 @@ rp_status rp_file_finish(FILE *out, const char *name)
     return RP_OK;
 }
 
-static const char TEMPORARY[] = ".tmp";
-enum { DIGITS = 8 };
+rp_status rp_file_sync(FILE *out, const char *name)
+{
+    RP_TRY(rp_file_finish(out, name));
+    if (fsync(fileno(out)) == 0 || errno == EINVAL || errno == EROFS) return RP_OK; /* none of a pipe */
+    return rp_fail(RP_IO, "%s: cannot write: %s", name, strerror(errno));
+}
+
+bool rp_is_there(const char *path)
+{
+    return access(path, F_OK) == 0 || (errno != ENOENT && errno != ENOTDIR);
+}
+
+static const char TEMPORARY[] = ".repose_part";
+enum { MOST_PATH = PATH_MAX + sizeof TEMPORARY };
+
+static rp_status cannot_write(const char *path)
+{
+    return rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
+}
+
+static const char *temporary_of(const char *path, char temporary[MOST_PATH])
+{
+    snprintf(temporary, MOST_PATH, "%s%s", path, TEMPORARY);
+    return temporary;
+}
 
 bool rp_file_is_temporary(const char *name)
 {
-    const size_t n = strlen(name), end = sizeof TEMPORARY - 1 + DIGITS;
-    return n > end && strncmp(name + n - end, TEMPORARY, sizeof TEMPORARY - 1) == 0 &&
-           strspn(name + n - DIGITS, "0123456789abcdef") == DIGITS;
+    return rp_ends_in(name, TEMPORARY);
 }
 
-/* A new file beside it, under a name that no one can foresee; devices and pipes are written directly. */
+bool rp_file_was_begun(const char *path)
+{
+    char temporary[MOST_PATH];
+    return rp_is_there(temporary_of(path, temporary));
+}
+
+/* A new file, which its writer locks: one that nobody has locked is of a process that was killed. */
+static rp_status begin(const char *path, const char *temporary, int *file)
+{
+    const int flags = O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC;
+    *file = open(temporary, flags, 0666);
+    if (*file < 0 && errno == EEXIST) {
+        const int left = open(temporary, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+        if (left < 0) return cannot_write(temporary);
+        const bool grows = flock(left, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+        if (!grows && unlink(temporary) == 0) *file = open(temporary, flags, 0666);
+        close(left);
+        if (grows) return rp_fail(RP_IO, "%s: another process writes it", path);
+    }
+    if (*file < 0) return cannot_write(path);
+    (void)!flock(*file, LOCK_EX | LOCK_NB); /* some file systems have no locks */
+    return RP_OK;
+}
+
+/* Devices and pipes are written directly. */
 rp_status rp_file_open(const char *path, bool replace, FILE **out)
 {
-    char temporary[PATH_MAX + 16];
+    char temporary[MOST_PATH];
     struct stat info;
-    unsigned number;
+    int file = -1;
     if (strcmp(path, "-") == 0) return *out = stdout, RP_OK;
     *out = NULL;
     if (strlen(path) >= PATH_MAX) return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", path);
-    const bool device = stat(path, &info) == 0 && !S_ISREG(info.st_mode);
+    const bool known = stat(path, &info) == 0, device = known && !S_ISREG(info.st_mode);
+    if (!known && errno != ENOENT) return cannot_write(path);
     if (!device && !replace && lstat(path, &info) == 0)
         return rp_fail(RP_BAD_INPUT, "%s: is there; give another name, or --force to replace it", path);
-    if (device) {
-        *out = fopen(path, "w");
-    } else if (getrandom(&number, sizeof number, 0) == sizeof number) {
-        snprintf(temporary, sizeof temporary, "%s%s%0*x", path, TEMPORARY, DIGITS, number);
-        const int file = open(temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (file >= 0) *out = fdopen(file, "w+");
-    }
-    return *out ? RP_OK : rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
+    if (!device && !replace && errno != ENOENT) return cannot_write(path);
+    if (!device) RP_TRY(begin(path, temporary_of(path, temporary), &file));
+    *out = device ? fopen(path, "we") : fdopen(file, "w+");
+    return *out ? RP_OK : cannot_write(path);
 }
 
+/* What is deleted meanwhile has a link that is no name: renaming it fails. */
 rp_status rp_file_close(const char *path, FILE *out, rp_status keep)
 {
-    char link[64], temporary[PATH_MAX] = "";
+    char link[64], temporary[MOST_PATH] = "";
     struct stat info;
     if (out == stdout) return keep ? keep : rp_file_finish(out, "standard output");
-    snprintf(link, sizeof link, "/proc/self/fd/%d", fileno(out));
-    const bool renamed = fstat(fileno(out), &info) == 0 && S_ISREG(info.st_mode);
-    const bool named = renamed && readlink(link, temporary, sizeof temporary - 1) > 0;
     rp_status status = keep ? keep : rp_file_finish(out, path);
+    const bool known = fstat(fileno(out), &info) == 0, renamed = known && S_ISREG(info.st_mode);
+    if (!status && !known) status = cannot_write(path);
+    snprintf(link, sizeof link, "/proc/self/fd/%d", fileno(out));
+    const bool named = renamed && readlink(link, temporary, sizeof temporary - 1) > 0;
     /* the bytes reach the disk before the name does */
-    bool failed = renamed && !status && (fsync(fileno(out)) != 0 || !named);
-    failed |= fclose(out) != 0;
-    if (!status && !failed && renamed) failed = rename(temporary, path) != 0;
-    if (!status && failed) status = rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
+    if (!status && renamed && (!named || fsync(fileno(out)) != 0)) status = cannot_write(path);
+    if (fclose(out) != 0 && !status) status = cannot_write(path);
+    if (!status && renamed && rename(temporary, path) != 0)
+        return rp_fail(RP_IO, "%s: cannot write: %s; the whole file is %s", path, strerror(errno), temporary);
     if (status && named) unlink(temporary);
     return status;
+}
+
+rp_status rp_file_close_both(const char *path, FILE *out, const char *beside, FILE *other)
+{
+    const rp_status whole = rp_file_sync(out, path), status = rp_file_close(beside, other, whole);
+    return rp_file_close(path, out, status);
 }
 
 bool rp_file_sync_folder(const char *path)
@@ -80,11 +130,31 @@ bool rp_file_sync_folder(const char *path)
     return good;
 }
 
-bool rp_program(char path[], size_t size)
+/* The file of this program; false where the system does not tell. */
+static bool program_file(char path[], size_t size)
 {
     const ssize_t n = readlink("/proc/self/exe", path, size - 1);
     path[n > 0 ? n : 0] = '\0';
     return n > 0;
+}
+
+const char *rp_data(rp_arena *arena, const char *name)
+{
+    /* next to the program: where it is installed, then the source above its build folder */
+    static const char *const beside[] = {"../share/repose", "..", "../..", NULL};
+    const char *const set[] = {".", NULL}, *folder = getenv("REPOSE_DATA"), *path;
+    char program[PATH_MAX];
+    if (*name == '/' || rp_is_there(name)) return name;
+    const bool is_set = folder && *folder;
+    if (!is_set && !program_file(program, sizeof program)) return name;
+    if (!is_set) *strrchr(program, '/') = '\0';
+    for (const char *const *sub = is_set ? set : beside; *sub; sub++) {
+        if (rp_path(arena, &path, "%s/%s/%s", is_set ? folder : program, *sub, name)) continue;
+        char *real = realpath(path, NULL);
+        if (real) return rp_arena_keep(arena, real, free);
+        if (rp_is_there(path)) return path;
+    }
+    return name;
 }
 
 bool rp_ends_in(const char *text, const char *end)
@@ -95,7 +165,7 @@ bool rp_ends_in(const char *text, const char *end)
 bool rp_is_in(const char *folder, const char *name)
 {
     char path[PATH_MAX];
-    return snprintf(path, sizeof path, "%s/%s", folder, name) < (int)sizeof path && access(path, F_OK) == 0;
+    return snprintf(path, sizeof path, "%s/%s", folder, name) < (int)sizeof path && rp_is_there(path);
 }
 
 rp_status rp_paths_add(rp_paths *paths, const char *folder, const char *name)
@@ -118,9 +188,11 @@ rp_status rp_paths_in(rp_paths *paths, const char *folder, bool (*wanted)(const 
     const size_t first = paths->n;
     rp_status status = RP_OK;
     DIR *files = opendir(folder);
-    for (const struct dirent *e; files && !status && (e = readdir(files));)
+    if (!files && errno != ENOENT) status = rp_fail(RP_IO, "%s: %s", folder, strerror(errno));
+    for (const struct dirent *e; files && !status && (errno = 0, e = readdir(files));)
         if (strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0 && wanted(e->d_name))
             status = rp_paths_add(paths, folder, e->d_name);
+    if (files && !status && errno) status = rp_fail(RP_IO, "%s: %s", folder, strerror(errno));
     if (files) closedir(files);
     if (paths->n > first) qsort(paths->path + first, paths->n - first, sizeof *paths->path, by_name);
     return status;

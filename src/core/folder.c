@@ -173,15 +173,16 @@ static rp_status enter(const rp_folder *f, bool *whole)
     RP_TRY(read_marker(f->part, &holds));
     const bool same = is_of(holds, f->holds), listed = is_whole(holds), begun = rp_is_in(f->part, SNAPSHOT);
     rp_status status = RP_OK;
-    *whole = listed && (access(f->path, F_OK) != 0 || (same && !has_it(f)));
+    *whole = listed && (!rp_is_there(f->path) || (same && !has_it(f)));
     if (!*holds && files.n > 0)
         status = rp_fail(RP_BAD_INPUT, "%s: no result of this program; move it away, or give another folder",
                          f->part);
     else if (!same && !*whole && begun && !f->force)
         status =
             rp_fail(RP_BAD_INPUT,
-                    "%s: holds %.*s, unfinished; the command that began it continues, --force replaces it",
-                    f->part, first_line(holds), holds);
+                    "%s: holds %.*s, unfinished; the command that began it continues, --force replaces it; "
+                    "this one makes %s",
+                    f->part, first_line(holds), holds, f->holds);
     free(holds);
     if (status || *whole || (same && !listed && begun)) return status;
     RP_TRY(clear(f->part, is_file));
@@ -216,7 +217,7 @@ static rp_status lock_part(rp_folder *f)
 static rp_status drop(const char *path)
 {
     RP_TRY(check_free(path, true));
-    return access(path, F_OK) == 0 ? remove_folder(path) : RP_OK;
+    return rp_is_there(path) ? remove_folder(path) : RP_OK;
 }
 
 /* What had the name is then in DIR.part or, where the file system has no exchange, as NFS, in `aside`: for a

@@ -2,10 +2,11 @@
 #include "core/status.h"
 
 #include <stdarg.h>
-#include <stdio.h>
 #include <string.h>
 
-static _Thread_local char message[4096];
+#include "core/plain.h"
+
+static _Thread_local char message[RP_MESSAGE];
 
 /* GSL's own handler ends the program; each caller of GSL here checks the returned status. A program of
  * modules without GSL need not link it. */
@@ -18,24 +19,24 @@ __attribute__((constructor)) static void switch_handler_off(void)
 
 rp_status rp_fail(rp_status status, const char *format, ...)
 {
+    char text[RP_MESSAGE]; /* the last message may be among what is printed */
     va_list args;
     va_start(args, format);
-    vsnprintf(message, sizeof message, format, args);
+    rp_plain_print(text, format, args);
     va_end(args);
+    memcpy(message, text, sizeof message);
     return status;
 }
 
 rp_status rp_prefix(rp_status status, const char *format, ...)
 {
-    char rest[sizeof message];
+    char prefix[RP_MESSAGE];
     if (!status) return RP_OK;
-    memcpy(rest, message, sizeof message);
     va_list args;
     va_start(args, format);
-    int n = vsnprintf(message, sizeof message, format, args);
+    rp_plain_print(prefix, format, args);
     va_end(args);
-    if (n >= 0 && (size_t)n < sizeof message) snprintf(message + n, sizeof message - (size_t)n, "%s", rest);
-    return status;
+    return rp_fail(status, "%s%s", prefix, message);
 }
 
 rp_status rp_check_range(const char *name, double value, double lo, double hi, const char *allowed)

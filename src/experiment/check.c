@@ -124,7 +124,7 @@ static rp_status stand_ins(const exp_plan *plan, rp_arena *arena, dem_definition
     RP_NEW(arena, grains, listed + 2 * s->n_fills + plan->n_phases);
     if (listed) memcpy(grains, s->grains, listed * sizeof *grains);
     def->grains = grains, def->n_grains = listed;
-    for (const dem_fill *f = s->fills; f < s->fills + s->n_fills; f++) {
+    for (const dem_fill *f = s->fills; s->n_fills && f < s->fills + s->n_fills; f++) {
         const double r = dem_radius_least(f), m = dem_mass(f->shape, f->density, r);
         for (int end = 0; end < 2; end++)
             grains[def->n_grains++] = (dem_grain){.x = f->x0,
@@ -136,7 +136,7 @@ static rp_status stand_ins(const exp_plan *plan, rp_arena *arena, dem_definition
                                                   .fixed = f->fixed};
     }
     const double y = def->n_grains ? grains[0].y : 0.0;
-    for (const exp_phase *p = plan->phases; p < plan->phases + plan->n_phases; p++) {
+    for (const exp_phase *p = plan->phases; plan->n_phases && p < plan->phases + plan->n_phases; p++) {
         const exp_add *a = &p->add;
         const double density = exp_density(plan, a, a->density.x.known ? a->density.x.value : NAN),
                      r = !exp_given(&a->r) ? dem_radius_least(&a->radii)

@@ -77,6 +77,8 @@ dem_sim *exp_sim(const exp_run *run); /* NULL if there never was one */
 bool exp_is_cut(const exp_run *run);  /* walls cut the region of a fill: grains lie in its largest part */
 long exp_steps(const exp_run *run);   /* so far */
 const exp_end *exp_ended(const exp_run *run);
+const char *exp_why_none(const exp_run *run,
+                         size_t output);      /* an output is NAN: why, until the next message */
 const double *exp_values(const exp_run *run); /* of the outputs; NAN: none */
 
 /* The phase, and how far it is: "discharge: grains = 842, until grains < 300", "fall: step 500 of 2000"; of a

@@ -174,6 +174,8 @@ static rp_status rate(const exp_samples *s, rp_arena *arena, double out[])
             for (n = 0; n < BLOCKS; n++)
                 rates[n] = rate_between(&s->at[last * n / BLOCKS], &s->at[last * (n + 1) / BLOCKS]);
     }
+    if (n == 1 && last < 2 * BLOCKS) /* of the error, which the rate does not need */
+        rp_fail(RP_NO_RESULT, "%zu samples: more than %d needed, or %d passes", s->n, 2 * BLOCKS, BLOCKS);
     if (n < BLOCKS) return RP_OK;
     if (!stats_mean(n, rates, &all)) out[1] = all.se;
     return RP_OK;
@@ -283,6 +285,18 @@ static rp_status reduce(const exp_run *run, const exp_measure *m, double out[])
     return RP_OK;
 }
 
+const char *exp_why_none(const exp_run *run, size_t output)
+{
+    const exp_plan *plan = run->plan;
+    double out[EXP_MODULE_OUTPUTS];
+    size_t k = plan->n_measures;
+    rp_fail(RP_NO_RESULT, "it has no value");
+    while (k-- > 0 && output < plan->measures[k].output) continue;
+    const exp_measure *m = &plan->measures[k];
+    if (!m->module && m->take != TAKE_VALUE) (void)reduce(run, m, out); /* which says why again */
+    return rp_message();
+}
+
 static void measure(exp_run *run, size_t k)
 {
     const exp_measure *m = &run->plan->measures[k];
@@ -355,6 +369,6 @@ void exp_series_write(const exp_run *run, size_t k, FILE *out)
     }
     const char *const columns[][2] = {{"step", ""}, {"time", "s"}, {m->name, m->series_unit}};
     rp_table_columns(out, run->plan->scene.def.units, 3, columns);
-    for (const exp_sampled *at = s->at; at < s->at + s->n; at++)
+    for (const exp_sampled *at = s->at; s->n && at < s->at + s->n; at++)
         rp_table_row(out, 3, (double[]){at->step, at->time, at->value});
 }

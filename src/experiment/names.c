@@ -6,11 +6,12 @@
 
 #include "experiment/reading.h"
 #include "params/config.h"
+#include "table/table.h"
 
 const exp_scope *exp_scope_named(const exp_plan *plan, unsigned sorts, const char *name, size_t length,
                                  rp_guess *guess)
 {
-    for (const exp_scope *s = plan->scopes; s < plan->scopes + plan->n_scopes; s++) {
+    for (const exp_scope *s = plan->scopes; plan->n_scopes && s < plan->scopes + plan->n_scopes; s++) {
         if (!(s->sort & sorts)) continue;
         if (strlen(s->name) == length && strncmp(s->name, name, length) == 0) return s;
         if (guess) rp_guess_try(guess, s->name);
@@ -94,7 +95,8 @@ static bool is_later(const exp_plan *plan, const exp_measure *m, size_t k)
 /* The measure with an output of this name; NULL: there is none. */
 static const exp_measure *measure_of(const exp_plan *plan, const char *name, size_t *output)
 {
-    for (const exp_measure *m = plan->measures; m < plan->measures + plan->n_measures; m++)
+    for (const exp_measure *m = plan->measures; plan->n_measures && m < plan->measures + plan->n_measures;
+         m++)
         for (*output = m->output; *output < m->output + m->n_outputs; ++*output)
             if (strcmp(plan->outputs[*output].name, name) == 0) return m;
     return NULL;
@@ -123,6 +125,31 @@ static rp_status find_measure(const exp_place *place, const char *name, rp_x_sym
         .type = RP_X_NUMBER, .key = plan->outputs[output].name, .id = EXP_ID_MEASURE + (int)output};
     *known = true;
     return RP_OK;
+}
+
+/* The observable or module alone, in a region or of a kind: a measure may have its name. */
+static bool is_same(const char *of, const char *name)
+{
+    const char *dot = of ? strrchr(of, '.') : NULL;
+    const size_t n = strlen(name);
+    return of &&
+           (strcmp(dot ? dot + 1 : of, name) == 0 || (strncmp(of, name, n) == 0 && strchr(".(", of[n])));
+}
+
+rp_status exp_check_meaning(const config_setting_t *setting, const char *what, const char *name,
+                            const char *of)
+{
+    const exp_observable *o = exp_observable_named(name, OF_RUN | OF_GRAINS),
+                         *new = exp_observable_named(name, OF_NEW);
+    const char *meaning = rp_name_meaning(name), *where = "every expression";
+    for (const exp_module *const *m = exp_modules; *m; m++)
+        if (strcmp((*m)->name, name) == 0) meaning = "a module", where = "`of` of a measure";
+    if (o) meaning = o->meaning;
+    if (new && !o) meaning = new->meaning, where = "`add` of a phase";
+    if (!meaning || is_same(of, name)) return RP_OK;
+    return rp_config_fail(setting,
+                          "%s %s: %s already stands for something in %s (%s); give the %s another name", what,
+                          name, name, where, meaning, what);
 }
 
 /* An observable or a constant is not meant where an earlier measure bears its name. */
@@ -164,7 +191,7 @@ static void list(void *host, rp_guess *guess)
     rp_lets_list(&plan->text->lets, guess);
     for (const exp_observable *o = exp_observables; o->name; o++) {
         if (o->of & (asked_of(EXP_ALL) | (place->of_grain ? OF_NEW : 0))) rp_guess_try(guess, o->name);
-        for (const exp_scope *s = plan->scopes; s < plan->scopes + plan->n_scopes; s++)
+        for (const exp_scope *s = plan->scopes; plan->n_scopes && s < plan->scopes + plan->n_scopes; s++)
             if (o->of & asked_of(s->sort))
                 snprintf(name, sizeof name, "%s.%s", s->name, o->name), rp_guess_try(guess, name);
     }
@@ -240,6 +267,14 @@ rp_status exp_check_name(const exp_plan *plan, const config_setting_t *setting, 
     return rp_config_fail(setting, "%s names %s and %s", name, scope ? sorts[scope->sort] : "a let", what);
 }
 
+rp_status exp_check_count(const config_setting_t *list, size_t n)
+{
+    enum { MOST = 10000 };
+    return n <= MOST
+               ? RP_OK
+               : rp_config_fail(list, "%s: %zu in one list; at most %d", config_setting_name(list), n, MOST);
+}
+
 rp_status exp_find(const exp_plan *plan, int sort, const config_setting_t *group, const char *key,
                    const char *name, size_t *index)
 {
@@ -294,6 +329,8 @@ rp_status exp_read_keys(const config_setting_t *group, const char *within, const
             RP_TRY(exp_expression_read(setting, keys->key, keys->type, place, e));
         if (!keys->range || !e->x.known) continue;
         snprintf(name, sizeof name, "%s%s", within, keys->key);
+        if (keys->whole && rp_text_number(e->x.text, &number) && number != floor(number))
+            return rp_config_fail(setting, "%s = %s: a whole number expected", name, e->x.text);
         const rp_param param = {.name = name, .unit = "", .type = RP_REAL, .range = keys->range};
         if (rp_params_set(&param, RP_CGS, &number, &(rp_value){.kind = RP_V_REAL, .r = e->x.value}))
             return rp_config_fail(setting, "%s", rp_message());

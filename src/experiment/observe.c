@@ -267,7 +267,7 @@ static contact_totals over_contacts(exp_run *run, const exp_use *use)
     size_t n;
     const exp_within in = exp_within_now(run, &use->scope);
     const dem_contact *const all = exp_contacts(run, &n);
-    for (const dem_contact *c = all; c < all + n; c++) {
+    for (const dem_contact *c = all; n && c < all + n; c++) {
         double f[2], x = 0.5 * (c->x + c->x_b), y = 0.5 * (c->y + c->y_b);
         const double lx = c->x - c->x_b, ly = c->y - c->y_b;
         dem_box_frame(run->sim, &x, &y);
@@ -550,7 +550,7 @@ bool exp_asks(const exp_plan *plan, const exp_expression *e, const char *observa
 
 bool exp_names(const exp_plan *plan, const char *observable)
 {
-    for (const exp_use *u = plan->uses; u < plan->uses + plan->n_uses; u++)
+    for (const exp_use *u = plan->uses; plan->n_uses && u < plan->uses + plan->n_uses; u++)
         if (strcmp(u->of->name, observable) == 0) return true;
     return false;
 }

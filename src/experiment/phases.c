@@ -176,7 +176,7 @@ static void set_gravity(exp_run *run, const exp_phase *p)
 /* The motion of walls, at the phase's start; before each step where it changes. */
 static void set_motion(exp_run *run, const exp_phase *p, bool each_step)
 {
-    for (const exp_move *m = p->moves; m < p->moves + p->n_moves && !run->at.done; m++) {
+    for (const exp_move *m = p->moves; p->n_moves && m < p->moves + p->n_moves && !run->at.done; m++) {
         if (m->each_step != each_step) continue;
         const bool shifts = exp_given(&m->velocity[0]);
         const double velocity[2] = {shifts ? exp_number(run, "velocity", &m->velocity[0]) : 0.0,
@@ -424,9 +424,11 @@ const char *exp_where(const exp_run *run, char *text, size_t size)
     RP_SCOPE(arena);
     if (p->ending == EXP_UNTIL && run->at.started) {
         const char *now = exp_operands(&arena, run, &p->end);
-        snprintf(text, size, "%s: %s, until %s", p->name, now ? now : "", p->end.x.text);
+        snprintf(text, size, "%s: step %ld, t = %.4g: %s, until %s", p->name, run->at.phase_step,
+                 dem_time(run->sim) - run->at.begun, now ? now : "", p->end.x.text);
     } else if (run->at.started) {
-        snprintf(text, size, "%s: step %ld of %ld", p->name, run->at.phase_step, run->at.most);
+        snprintf(text, size, "%s: step %ld of %ld, t = %.4g", p->name, run->at.phase_step, run->at.most,
+                 dem_time(run->sim) - run->at.begun);
     } else {
         snprintf(text, size, "%s", p->name);
     }

@@ -148,10 +148,25 @@ static rp_status read_plain(exp_plan *plan)
     return RP_OK;
 }
 
+/* As of rp_lets. */
+static bool place(const char *key, char text[RP_PLACE_BYTES])
+{
+    size_t used = dem_place(key, text) ? strlen(text) : 0;
+    if (rp_params_find(exp_phase_schema, key) || rp_word_index(exp_phase_keys, key) >= 0)
+        rp_put_place(text, &used, "phases", key, "( )");
+    if (rp_params_find(exp_measure_schema, key) || rp_word_index(exp_measure_keys, key) >= 0)
+        rp_put_place(text, &used, "measure", key, "( )");
+    return used > 0;
+}
+
 static rp_status read(exp_plan *plan)
 {
     dem_text *text = plan->text;
-    const config_setting_t *rest = config_lookup(&text->config, "rest");
+    const config_setting_t *rest = config_lookup(&text->config, "rest"),
+                           *lets = config_lookup(&text->config, "let");
+    for (size_t k = 0; k < length(lets); k++)
+        RP_TRY(exp_check_meaning(element(lets, k), "let", config_setting_name(element(lets, k)), NULL));
+    text->lets.place = place;
     RP_TRY(dem_text_scene(text, &plan->scene));
     if (!exp_has_phases(text)) return read_plain(plan);
     rp_status status = rp_lets_constant(&text->lets, RP_LET_G, &plan->g);
@@ -162,9 +177,6 @@ static rp_status read(exp_plan *plan)
         return rp_config_fail(config_lookup(&text->config, "steps"),
                               "steps: a text with phases ends with their last");
     RP_TRY(read_result(plan));
-    for (const rp_let *let = text->lets.lets; let < text->lets.lets + text->lets.n; let++)
-        if (exp_observable_named(let->name, ~(unsigned)OF_NEW)) /* whose name stands alone too */
-            return rp_config_fail(config_lookup(&text->config, "let"), "let.%s: is an observable", let->name);
     RP_NEW(&plan->arena, plan->scopes,
            plan->scene.def.n_walls + plan->scene.n_fills +
                2 * exp_count_phases(config_lookup(&text->config, "phases")) +
@@ -224,9 +236,10 @@ const dem_scene_group exp_groups[] = {
      "`every` steps); if (a condition of lets); fail = { word = \"condition\"; }. From here on: gravity = "
      "(gx, gy); gravity_turn_deg_per_step; box_turn_deg_per_step; dt; x_min; x_max; y_min; normal; "
      "tangential; "
-     "rolling; walls = { NAME = { velocity = (vx, vy); omega; load_x; load_y; speed; coefficients }; }. New "
-     "grains: add = { N; kind; r, or radii as of a fill; density; x; y; vx; vy; omega; gap; }. A block has "
-     "phases of its own, and repeat or until"},
+     "rolling; walls = { NAME = { velocity = (vx, vy); omega; load_x; load_y; speed; coefficients }; }. A "
+     "wall under a load moves by M dv/dt = load + force of the grains, |v| <= speed, M being a tenth of the "
+     "total grain mass, at least that of ten grains. New grains: add = { N; kind; r, or radii as of a fill; "
+     "density; x; y; vx; vy; omega; gap; }. A block has phases of its own, and repeat or until"},
     {"measure", exp_measure_schema,
      "a list of columns: name; of (an expression, a module or MODULE.OUTPUT); at or during a phase; when (a "
      "condition, of samples); event (a condition, of avalanches); against (an expression, of a line); if (a "

@@ -6,6 +6,7 @@
 #include "experiment/reading.h"
 #include "params/config.h"
 #include "params/units.h"
+#include "table/columns.h"
 
 #define IN(field) offsetof(exp_measure, field)
 const rp_param exp_measure_schema[] = {
@@ -35,6 +36,8 @@ const rp_param exp_measure_schema[] = {
     {"in", "", RP_TEXT, IN(in), "", "", "region of a module's grains"},
     {"wall", "", RP_TEXT, IN(wall), "", "", "wall of the modules base and forces"},
     {0}};
+
+const char exp_measure_keys[] = "of when if event columns against";
 
 /* What is made of samples, or a value: endings of columns, with what their meaning begins with. */
 enum { MOST_OUTPUTS = 5 };
@@ -76,6 +79,14 @@ static rp_status add_output(exp_plan *plan, const exp_measure *m, const char *en
     for (size_t k = 0; k < plan->n_outputs; k++)
         if (strcmp(plan->outputs[k].name, o->name) == 0)
             return rp_config_fail(m->setting, "%s: two measures have this column", o->name);
+    if (rp_word_index(RP_SWEEP_COLUMNS, o->name) >= 0)
+        return rp_config_fail(m->setting,
+                              "%s is a column that every sweep has; give the measure another name", o->name);
+    if (rp_lets_has(m->setting, o->name))
+        return rp_config_fail(m->setting, "%s names a let and a column of a measure", o->name);
+    if (!*ending || strcmp(ending + 1, o->name) != 0) /* of a module, its own name for it */
+        RP_TRY(exp_check_meaning(m->setting, "measure", o->name,
+                                 config_setting_get_string(member(m->setting, "of"))));
     plan->n_outputs++;
     return RP_OK;
 }
@@ -272,7 +283,7 @@ static rp_status read_level(const exp_plan *plan, exp_measure *m)
 
 static rp_status name_measure(exp_plan *plan, const config_setting_t *setting, exp_measure *m)
 {
-    const char *others = "of when if event columns against";
+    const char *others = exp_measure_keys;
     *m = (exp_measure){.setting = setting};
     rp_params_defaults(exp_measure_schema, plan->scene.def.units, m);
     if (!config_setting_is_group(setting))
@@ -305,6 +316,7 @@ rp_status exp_name_measures(exp_plan *plan)
     const config_setting_t *list = config_lookup(&plan->text->config, "measure");
     if (list && !config_setting_is_list(list))
         return rp_config_fail(list, "measure: a list ( { ... } ) expected");
+    RP_TRY(exp_check_count(list, length(list)));
     RP_NEW(&plan->arena, plan->measures, length(list));
     RP_NEW(&plan->arena, plan->outputs, length(list) * EXP_MODULE_OUTPUTS);
     RP_NEW(&plan->arena, plan->series, length(list));

@@ -81,7 +81,8 @@ static rp_status read_end(const config_setting_t *setting, exp_place *place, exp
     if (!end && p->repeat < 0)
         return rp_config_fail(setting, "phase %s: repeat or until is missing", p->name);
     const exp_key_of keys[] = {{ends[p->ending].key, &p->end, .type = ends[p->ending].type,
-                                .range = p->ending == EXP_UNTIL ? NULL : "[0, 1e15)"},
+                                .range = p->ending == EXP_UNTIL ? NULL : "[0, 1e15)",
+                                .whole = p->ending == EXP_STEPS},
                                {0}};
     RP_TRY(exp_read_keys(setting, "", keys, place));
     if (end && p->ending == EXP_UNTIL && p->end.x.known)
@@ -146,7 +147,7 @@ static rp_status read_add(const config_setting_t *group, exp_place *place, exp_a
     if (!x || !y) return rp_config_fail(group, "add: %s: missing", x ? "y" : "x");
     if (kind && !config_setting_get_string(kind)) return rp_config_fail(kind, "kind: a name expected");
     const bool x_range = !config_setting_is_scalar(x), y_range = !config_setting_is_scalar(y);
-    const exp_key_of keys[] = {{"N", &a->n, .range = "[0, inf)"},
+    const exp_key_of keys[] = {{"N", &a->n, .range = "[0, inf)", .whole = true},
                                {"r", &a->r, .range = "(0, inf)"},
                                {"density", &a->density, .range = "(0, inf)"},
                                {"vx", &a->vx, .range = "(-inf, inf)"},
@@ -175,7 +176,7 @@ static rp_status read_add(const config_setting_t *group, exp_place *place, exp_a
 
 /* Keys of a phase that are read by hand, laws first. */
 #define LAW_KEYS "dt x_min x_max y_min normal tangential rolling"
-static const char by_hand[] = LAW_KEYS " if steps time until fail walls gravity add "
+const char exp_phase_keys[] = LAW_KEYS " if steps time until fail walls gravity add "
                                        "gravity_turn_deg_per_step box_turn_deg_per_step";
 
 /* The laws of a phase follow from those of the one before it in the text, or that it goes back to. */
@@ -250,10 +251,13 @@ static rp_status name_phase(exp_plan *plan, const config_setting_t *setting, siz
     const config_setting_t *add = member(setting, "add"), *kind = add ? member(add, "kind") : NULL;
     *p = (exp_phase){.setting = setting, .block = block, .ending = EXP_UNTIL};
     rp_params_defaults(exp_phase_schema, plan->scene.def.units, p);
-    RP_TRY(rp_config_group(setting, exp_phase_schema, p, has_inner ? "if until phases" : by_hand));
+    RP_TRY(rp_config_group(setting, exp_phase_schema, p, has_inner ? "if until phases" : exp_phase_keys));
     if (block != SIZE_MAX && !member(setting, "mark")) p->mark = false;
     if (!exp_is_word(p->name))
         return rp_config_fail(setting, "name = \"%s\": up to 23 letters, digits and _ expected", p->name);
+    if (rp_word_index("last all auto", p->name) >= 0)
+        return rp_config_fail(setting, "name = \"%s\": `repose view --frame %s` means other frames", p->name,
+                              p->name);
     if (exp_scope_named(plan, EXP_PHASE, p->name, strlen(p->name), NULL))
         return rp_config_fail(setting, "name = \"%s\": names two phases", p->name);
     if (has_inner) RP_TRY(check_block(setting));
@@ -401,6 +405,7 @@ rp_status exp_name_phases(exp_plan *plan)
     const config_setting_t *list = config_lookup(&plan->text->config, "phases"),
                            *fill = config_lookup(&plan->text->config, "fill");
     for (size_t k = 0; k < plan->scene.n_fills; k++) RP_TRY(name_kind(plan, fill, plan->scene.fills[k].kind));
+    RP_TRY(exp_check_count(list, exp_count_phases(list)));
     RP_NEW(&plan->arena, plan->phases, exp_count_phases(list));
     RP_TRY(name_phases(plan, list, SIZE_MAX));
     RP_NEW(&plan->arena, plan->loads, plan->n_loads);

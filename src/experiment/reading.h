@@ -9,7 +9,13 @@
 rp_status exp_check_word(const config_setting_t *setting, const char *what, const char *name);
 rp_status exp_check_name(const exp_plan *plan, const config_setting_t *setting, const char *what,
                          const char *name);
+/* A let or measure whose name expressions, `add` or `of` know as something else; `of`: what is measured. */
+rp_status exp_check_meaning(const config_setting_t *setting, const char *what, const char *name,
+                            const char *of);
 bool exp_is_word(const char *word); /* of a run's status */
+
+/* No more in a list than can be looked through for each name. */
+rp_status exp_check_count(const config_setting_t *list, size_t n);
 
 /* The first setting of a group whose name is one of these words, NULL: there is none. */
 const config_setting_t *exp_has_key(const config_setting_t *group, const char *words);
@@ -27,6 +33,7 @@ typedef struct {
     size_t n;
     rp_x_type type;
     const char *range;
+    bool whole; /* a number that stands there alone; what is computed is rounded */
 } exp_key_of;
 rp_status exp_read_keys(const config_setting_t *group, const char *within, const exp_key_of *keys,
                         exp_place *place);
@@ -48,5 +55,6 @@ rp_status exp_name_measures(exp_plan *plan);
 rp_status exp_read_phase(exp_plan *plan, size_t phase);
 rp_status exp_read_measure(exp_plan *plan, size_t measure);
 extern const rp_param exp_phase_schema[], exp_measure_schema[];
+extern const char exp_phase_keys[], exp_measure_keys[]; /* beside the schemas */
 
 #endif

@@ -68,13 +68,12 @@ rp_status export_dump(const export_run *run, const char *path)
     const char *stem = export_stem(run->arena, path),
                *beside = rp_text(run->arena, "%s.contacts%s", stem, path + strlen(stem));
     const bool both = run->contacts.table && strcmp(path, "-") != 0;
+    const bool replace = run->replace || (both && rp_file_was_begun(path));
     FILE *out, *contacts;
     RP_TRY(rp_file_open(path, run->replace, &out));
-    rp_status status = both ? rp_file_open(beside, run->replace, &contacts) : RP_OK;
+    const rp_status status = both ? rp_file_open(beside, replace, &contacts) : RP_OK;
     if (!status) write_grains(run, out);
-    if (!status && both) {
-        write_contacts(run, contacts);
-        status = rp_file_close(beside, contacts, RP_OK);
-    }
-    return rp_file_close(path, out, status);
+    if (status || !both) return rp_file_close(path, out, status);
+    write_contacts(run, contacts);
+    return rp_file_close_both(path, out, beside, contacts);
 }

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "core/file.h"
 
@@ -162,7 +161,7 @@ const char *export_beside(rp_arena *arena, const char *grains, const char *name)
     for (size_t k = 0; k < sizeof ends / sizeof *ends && !path; k++)
         if (rp_ends_in(grains, ends[k]))
             path = rp_text(arena, "%.*s%s", (int)(strlen(grains) - strlen(ends[k])), grains, name);
-    return path && access(path, F_OK) == 0 ? path : NULL;
+    return path && rp_is_there(path) ? path : NULL;
 }
 
 /* The table beside that of the grains in the folder of a run, or of a stage. */

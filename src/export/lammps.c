@@ -319,14 +319,13 @@ static rp_status write_files(rp_arena *arena, const lammps_scene *s, const char 
         return rp_fail(RP_USAGE, "-o %s: the input of LAMMPS names its files: letters, digits and ._+- alone",
                        path);
     scene = export_word(rp_text(arena, "%s", scene)); /* for comments */
+    const bool begun = rp_file_was_begun(path);
     RP_TRY(rp_file_open(path, replace, &input));
-    rp_status status = rp_file_open(data, replace, &out);
-    if (!status) {
-        write_data(s, scene, out);
-        status = rp_file_close(data, out, RP_OK);
-    }
+    const rp_status status = rp_file_open(data, replace || begun, &out);
+    if (status) return rp_file_close(path, input, status);
+    write_data(s, scene, out);
     write_input(s, scene, stem, input);
-    return rp_file_close(path, input, status);
+    return rp_file_close_both(path, input, data, out);
 }
 
 static void free_scene(lammps_scene *s)

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/plain.h"
 #include "export/export.h"
 
 static void write_quoted(const char *text, FILE *out)
@@ -40,7 +41,7 @@ static rp_status write_json(const rp_table *t, json_t *value, size_t flags, FILE
     const bool written = value && json_dumpf(value, out, as) == 0;
     json_decref(value);
     if (written || ferror(out)) return RP_OK;
-    return rp_fail(RP_NO_MEMORY, "%s: out of memory, or no UTF-8", t->path);
+    return rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
 }
 
 /* A cell as it stands, if JSON has such a number or truth value; nan is null, any other word a string. */
@@ -75,12 +76,43 @@ static void add_note(json_t *notes, const char *key, const char *text)
         json_object_set_new(notes, key, json_string(text));
 }
 
-/* The header lines "# key: text", but the units. They end at the names, which are never missing. */
+/* The header ends at the names, which are never missing. */
+static const char *header_end(const rp_table *t)
+{
+    return t->names[0] ? t->names[0] : t->cells ? t->cells[0] : t->text;
+}
+
+/* Control characters a table has only between its cells. */
+static bool is_utf8(const char *text)
+{
+    for (size_t n; *text; text += n ? n : 1)
+        if ((n = rp_character(text)) == 0 && !strchr("\t\r", *text)) return false;
+    return true;
+}
+
+/* Before the first byte is written. */
+static rp_status check_utf8(const rp_table *t, size_t n, const int columns[])
+{
+    char number[12];
+    bool whole = true;
+    for (const char *line = t->text; line < header_end(t) && *line == '#'; line += strlen(line) + 1)
+        whole &= is_utf8(line);
+    for (size_t c = 0; c < n; c++) whole &= is_utf8(rp_column_name(t, columns[c], number));
+    if (!whole) return rp_fail(RP_BAD_INPUT, "%s: the header is no UTF-8, which JSON needs", t->path);
+    for (size_t i = 0; i < t->n_rows; i++)
+        for (size_t c = 0; c < n; c++)
+            if (!is_utf8(rp_cell(t, i, columns[c])))
+                return rp_fail(RP_BAD_INPUT, "%s:%zu: %s = \"%.40s\": no UTF-8, which JSON needs",
+                               RP_PLACE(t, i), rp_column_name(t, columns[c], number),
+                               rp_cell(t, i, columns[c]));
+    return RP_OK;
+}
+
+/* The header lines "# key: text", but the units. */
 static json_t *notes_of(const rp_table *t)
 {
     json_t *notes = json_object();
-    const char *end = t->names[0] ? t->names[0] : t->cells ? t->cells[0] : t->text;
-    for (const char *line = t->text; line < end && *line == '#'; line += strlen(line) + 1) {
+    for (const char *line = t->text; line < header_end(t) && *line == '#'; line += strlen(line) + 1) {
         char key[128];
         const char *colon = strstr(line, ": ");
         if (strncmp(line, "# ", 2) != 0 || !colon || colon - line >= (long)sizeof key) continue;
@@ -103,6 +135,7 @@ static json_t *units_of(const rp_table *t, size_t n, const int columns[])
 
 rp_status export_json(const rp_table *t, size_t n, const int columns[], FILE *out)
 {
+    RP_TRY(check_utf8(t, n, columns));
     json_t *units = units_of(t, n, columns);
     const bool apart = json_object_size(units) == n;
     json_decref(units);

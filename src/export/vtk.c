@@ -177,15 +177,16 @@ static rp_status write_frame(const export_run *run, size_t k, const rp_folder *f
     return RP_OK;
 }
 
-/* The folder, by a name that its collection may have. */
-static rp_status write_frames(const export_run *run, const char *path, FILE *collection)
+/* The folder, by a name that its collection may have, once the collection is whole. */
+static rp_status write_frames(const export_run *run, const char *path, bool replace, FILE *collection)
 {
     RP_ENDS(rp_folder_end) rp_folder folder = {0};
     char *name = rp_text(run->arena, "%s_frames", export_stem(run->arena, path));
     export_word(basename(name)); /* of an attribute in XML */
-    RP_TRY(
-        rp_folder_begin(run->arena, name, rp_text(run->arena, "frames of %s", path), run->replace, &folder));
+    RP_TRY(rp_folder_begin(run->arena, name, rp_text(run->arena, "frames of %s", path), replace, &folder));
     for (size_t k = 0; k < run->grains.n; k++) RP_TRY(write_frame(run, k, &folder, collection));
+    fputs("</Collection>\n</VTKFile>\n", collection);
+    RP_TRY(rp_file_sync(collection, path));
     return rp_folder_publish(&folder);
 }
 
@@ -194,9 +195,8 @@ rp_status export_vtk(const export_run *run, const char *path)
     FILE *out;
     if (strlen(path) < 5 || !rp_ends_in(path, ".pvd"))
         return rp_fail(RP_USAGE, "-o %s: vtk needs a name that ends in .pvd", path);
+    const bool replace = run->replace || rp_file_was_begun(path);
     RP_TRY(rp_file_open(path, run->replace, &out));
     fputs("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n", out);
-    const rp_status status = write_frames(run, path, out);
-    fputs("</Collection>\n</VTKFile>\n", out);
-    return rp_file_close(path, out, status);
+    return rp_file_close(path, out, write_frames(run, path, replace, out));
 }

@@ -14,12 +14,12 @@ PAGE_OBJ := $(PAGE_OWN:%.c=$(PAGE)/obj/%.o) $(PAGE_GSL:%=$(PAGE)/obj/gsl/%.o) \
             $(patsubst %,$(PAGE)/obj/libconfig/lib/%.o,libconfig grammar scanner scanctx strbuf)
 PAGE_TEXTS := $(patsubst %,examples/%.cfg,box cylinder hopper drum)
 .PHONY: setup-page page check-page
-setup-page: ## what `make page` needs: clang for WebAssembly, sources of GSL and libconfig
+setup-page: ## install what `make page` needs: clang for WebAssembly, sources of GSL and libconfig
 	@sh tests/setup.sh clang lld llvm wasi-libc libclang-rt-14-dev-wasm32 librandom123-dev libxxhash-dev libsqlite3-dev libsuitesparse-dev
 	@sh src/page/sources.sh $(PAGE)
-page: $(PAGE)/index.html ## build/page/index.html: a pile in the browser, in one file
+page: $(PAGE)/index.html ## build build/page/index.html: a pile in the browser, in one file
 	@echo "page    $<, $$(stat -c %s $<) bytes"
-check-page: page $(REPOSE) ## that page in headless Chromium: every control, digests of `repose run`, widths, pictures
+check-page: page $(REPOSE) ## test that page in headless Chromium: every control, digests of `repose run`, widths, pictures
 	@sh tests/page/check.sh $(REPOSE) $(PAGE)
 $(PAGE)/obj/libconfig/%.o: PAGE_C := -O2 -w
 $(PAGE)/obj/gsl/%.o: PAGE_C := -O2 -w -DHAVE_CONFIG_H -I$(PAGE)/gsl

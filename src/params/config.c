@@ -10,6 +10,7 @@
 #include "params/lets.h"
 #include "params/settings.h"
 #include "core/file.h"
+#include "core/plain.h"
 
 /* libconfig says "syntax error" and the line, no more: this is the line, and what a parameter file is. */
 static void explain(const char *path, const char *error, int line, char hint[256])
@@ -54,15 +55,15 @@ rp_status rp_config_read(const char *path, config_t *config)
 
 rp_status rp_config_fail(const config_setting_t *setting, const char *format, ...)
 {
-    char text[3072];
+    char text[RP_MESSAGE];
     va_list args;
     va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
+    rp_plain_print(text, format, args);
     va_end(args);
     const char *file = config_setting_source_file(setting);
-    int line = (int)config_setting_source_line(setting);
+    const unsigned line = config_setting_source_line(setting);
     /* a setting without a line was not read from a file */
-    return line > 0 ? rp_fail(RP_BAD_INPUT, "%s:%d: %s", file ? file : "built-in text", line, text)
+    return line > 0 ? rp_fail(RP_BAD_INPUT, "%s:%u: %s", file ? file : "built-in text", line, text)
                     : rp_fail(RP_BAD_INPUT, "%s", text);
 }
 
@@ -102,11 +103,15 @@ rp_status rp_config_unknown(const config_setting_t *setting, const rp_param *sch
                             const char *more)
 {
     const char *name = config_setting_name(setting);
-    char allowed[2048] = "";
+    char allowed[2048] = "", place[RP_PLACE_BYTES];
     size_t used = 0;
     rp_guess guess = rp_guess_of(name);
     rp_guess_schema(&guess, schema);
     rp_guess_words(&guess, others ? others : "");
+    const bool misspelt = *guess.nearest && guess.cost <= 2 && strlen(name) > 3; /* one letter */
+    if (!misspelt && rp_lets_place(setting, name, place))
+        return rp_config_fail(setting, "%s%s: does not belong here, but in %s",
+                              path_within(config_setting_parent(setting)), name, place);
     for (; schema->name && used < sizeof allowed; schema++)
         used += (size_t)snprintf(allowed + used, sizeof allowed - used, " %s", schema->name);
     return rp_config_fail(setting, "%s%s: unknown key%s; allowed:%s%s%s%s",
@@ -122,7 +127,7 @@ rp_status rp_config_scalar(const config_setting_t *setting, rp_value *value)
         *value = (rp_value){.kind = RP_V_INT, .i = (long)config_setting_get_int64(setting)};
         break;
     case CONFIG_TYPE_FLOAT:
-        *value = (rp_value){.kind = RP_V_REAL, .r = config_setting_get_float(setting)};
+        *value = (rp_value){.kind = RP_V_REAL, .r = config_setting_get_float(setting) + 0.0}; /* -0 is 0 */
         break;
     case CONFIG_TYPE_BOOL:
         *value = (rp_value){.kind = RP_V_BOOL, .i = config_setting_get_bool(setting)};
@@ -145,6 +150,8 @@ static rp_status set_computed(const config_setting_t *setting, const rp_param *p
     const bool word = param->type == RP_CHOICE;
     RP_TRY(word && !rp_lets_has(setting, text) && !strpbrk(text, "?'(") ? RP_NO_RESULT
                                                                         : rp_lets_value(setting, text, &is));
+    if (param->type == RP_INT && fabs(is.value - round(is.value)) <= 1e-9 * fabs(is.value))
+        is.value = round(is.value); /* a quotient of times */
     const rp_value value = rp_x_value(is.type, is.value, is.word);
     if (!isfinite(is.value) && param->type == RP_REAL) { /* what is infinite has its word, if there is one */
         char spelt[64];
@@ -155,19 +162,6 @@ static rp_status set_computed(const config_setting_t *setting, const rp_param *p
                                                    : "-inf");
     }
     return rp_params_set(param, rp_config_units(setting), values, &value);
-}
-
-/* May a text stand in a cell or a header: on one line, without tabs, in UTF-8? */
-static bool is_plain(const char *text)
-{
-    for (const unsigned char *c = (const unsigned char *)text; *c;) {
-        const size_t more = *c < 0x80 ? 0 : *c >= 0xc2 && *c < 0xe0 ? 1 : *c < 0xf0 ? 2 : 3;
-        if (*c < 0x20 || *c == 0x7f || (*c >= 0x80 && *c < 0xc2) || *c > 0xf4) return false;
-        c++;
-        for (size_t k = 0; k < more; k++, c++)
-            if ((*c & 0xc0) != 0x80) return false;
-    }
-    return true;
 }
 
 rp_status rp_config_value(const config_setting_t *setting, const rp_param *param, void *values)
@@ -182,7 +176,7 @@ rp_status rp_config_value(const config_setting_t *setting, const rp_param *param
         return rp_config_fail(setting, "%s%s: one value expected, not a %s",
                               path_within(config_setting_parent(setting)), param->name,
                               config_setting_is_group(setting) ? "group" : "list");
-    if (param->type == RP_TEXT && value.kind == RP_V_TEXT && !is_plain(value.s))
+    if (param->type == RP_TEXT && value.kind == RP_V_TEXT && !rp_is_plain(value.s))
         return rp_config_fail(setting, "%s%s: a text on one line, without tabs, in UTF-8 expected",
                               path_within(setting), param->name);
     rp_status status = rp_params_set(param, rp_config_units(setting), values, &value);

@@ -92,9 +92,10 @@ static const struct {
 
 /* ---- values ---- */
 
-/* x^p of a multiple of 1/2: products, and a root. */
+/* x^p of a multiple of 1/2 by products, and a root. */
 static double power(double x, double p)
 {
+    if (2.0 * p != floor(2.0 * p)) return rp_pow(x, p);
     double product = 1.0;
     for (int k = 0; k < (int)fabs(p); k++) product *= x;
     if (fabs(p) != floor(fabs(p))) product *= sqrt(x);
@@ -433,8 +434,7 @@ static rp_status read_signed(x_reader *r, x_part *part)
     RP_TRY(next(r));
     RP_TRY(read_signed(r, &exponent));
     RP_TRY(take_known(r, &exponent, "an exponent", &p));
-    if (!(fabs(p) <= MOST_POWER) || 2.0 * p != floor(2.0 * p))
-        return fail_at(r, exponent.begins, "an exponent must be a multiple of 0.5 from -64 to 64");
+    if (!(fabs(p) <= MOST_POWER)) return fail_at(r, exponent.begins, "an exponent goes from -64 to 64");
     return add(r, part, (rp_x_step){.kind = X_POWER, .number = p});
 }
 

@@ -121,10 +121,12 @@ static rp_status set_number(const rp_param *param, rp_units units, void *field, 
 {
     const numeric_range range = parse_range(param->range);
     const bool whole = param->type == RP_INT;
-    double v = value->kind == RP_V_INT ? (double)value->i : value->r;
+    double v = value->kind == RP_V_INT ? (double)value->i : value->r + 0.0; /* -0 is 0 */
+    const bool integer =
+        value->kind == RP_V_INT || (value->kind == RP_V_REAL && v == floor(v) && fabs(v) < 1e15);
     if (value->kind == RP_V_TEXT && rp_word_index(range.words, value->s) >= 0)
         v = whole || strcmp(value->s, "auto") == 0 ? -1.0 : INFINITY;
-    else if (value->kind != RP_V_INT && (whole || value->kind != RP_V_REAL))
+    else if (!integer && (whole || value->kind != RP_V_REAL))
         return wrong_type(param, value, whole ? "a whole number" : "a number");
     else if (!isfinite(v))
         return rp_fail(RP_BAD_INPUT, "%s = %g: a finite number expected", param->name, v);
@@ -132,7 +134,7 @@ static rp_status set_number(const rp_param *param, rp_units units, void *field, 
         return rp_fail(RP_BAD_INPUT, "%s = %.15g: out of range, allowed: %s%s%s", param->name, v,
                        param->range, *param->unit ? " " : "", rp_unit(units, param->unit));
     if (whole)
-        *(long *)field = value->kind == RP_V_INT ? value->i : -1;
+        *(long *)field = value->kind == RP_V_INT ? value->i : (long)v;
     else
         *(double *)field = v;
     return RP_OK;

@@ -78,7 +78,7 @@ rp_status run_open(run_driver *d, const run_sinks *to, bool *resumed)
     if (!exp_sim(d->run)) return RP_OK; /* it has ended */
     d->to = *to;
     d->next = rp_cpu_clock() + to->interval;
-    *resumed = to->snapshot && access(to->snapshot, F_OK) == 0;
+    *resumed = to->snapshot && rp_is_there(to->snapshot);
     rp_status status = *resumed ? read_back(d) : run_open_tables(d, false);
     if (*resumed && to->folder) status = rp_prefix(status, "remove %s to begin anew: ", to->folder);
     RP_TRY(status);

@@ -236,7 +236,7 @@ void run_write_measures(const run_driver *d, FILE *out)
         const double value = exp_values(d->run)[k];
         fprintf(out, "%s\t", o[k].name);
         rp_table_numbers(out, 1, &value);
-        fprintf(out, "\t%s\t%s%s\n", *o[k].unit ? o[k].unit : "-", o[k].meaning,
-                isnan(value) ? "; it has no value" : "");
+        fprintf(out, "\t%s\t%s%s%s\n", *o[k].unit ? o[k].unit : "-", o[k].meaning, isnan(value) ? "; " : "",
+                isnan(value) ? exp_why_none(d->run, k) : "");
     }
 }

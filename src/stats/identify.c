@@ -475,7 +475,7 @@ static rp_status draw(const search *s, gsl_qrng *sobol, size_t n, double x[])
     for (size_t i = 0, tries = 0; i < n; tries++) {
         double u[STATS_NAMES], *at = &x[i * p];
         if (tries > 10000 + 100 * n)
-            return rp_fail(RP_BAD_INPUT, "where: hardly a point of the ranges is allowed");
+            return rp_fail(RP_BAD_INPUT, "where: allows hardly any point of the ranges");
         gsl_qrng_get(sobol, u);
         for (size_t k = 0; k < p; k++) at[k] = s->lo[k] + (s->hi[k] - s->lo[k]) * u[k];
         i += !s->q->allowed || s->q->allowed(s->q->host, at);

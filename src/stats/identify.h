@@ -23,17 +23,18 @@ typedef struct {
 } stats_runs;
 
 #define STATS_IDENTIFIED_LIST(X)                                                                             \
-    X(OK, "ok", "found, with an interval inside the range")                                                  \
+    X(OK, "ok", "determined, with an interval inside the range")                                             \
     X(AT_LEAST, "at_least", "the interval reaches the upper end of the range: only the lower limit holds")   \
     X(AT_MOST, "at_most", "the interval reaches the lower end of the range: only the upper limit holds")     \
-    X(NOT_IDENTIFIED, "not_identified", "the interval holds nine tenths of the range")                       \
+    X(NOT_IDENTIFIED, "not_identified", "the interval covers nine tenths of the range or more")              \
     X(SEVERAL, "several", "separate intervals agree with what was measured")                                 \
-    X(BUDGET, "budget", "the runs are used up before the answer is settled: what is known so far")           \
-    X(ABOVE_RANGE, "above_range", "the number is larger than the fitted one anywhere in the range")          \
-    X(BELOW_RANGE, "below_range", "the number is smaller than the fitted one anywhere in the range")         \
-    X(BENT, "bent", "the runs bend more than a form can follow: nothing is known yet")                       \
-    X(NO_MATCH, "no_match", "no parameters of the range give all numbers together")                          \
-    X(NO_RUNS, "no_runs", "the runs nearest to the best values failed, or lack a number")
+    X(BUDGET, "budget",                                                                                      \
+      "the allowed runs are made without convergence: the interval is what is known so far")                 \
+    X(ABOVE_RANGE, "above_range", "the measured value is larger than the fitted one anywhere in the range")  \
+    X(BELOW_RANGE, "below_range", "the measured value is smaller than the fitted one anywhere in the range") \
+    X(BENT, "bent", "the runs bend more than the polynomial can follow: nothing is known yet")               \
+    X(NO_MATCH, "no_match", "no values in the range give all measured values together")                      \
+    X(NO_RUNS, "no_runs", "the runs nearest to the best values failed, or lack a measure")
 typedef enum {
 #define X(name, word, meaning) STATS_IDENTIFIED_##name,
     STATS_IDENTIFIED_LIST(X)

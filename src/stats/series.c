@@ -50,7 +50,9 @@ rp_status stats_blocking(size_t n, const double v[], double work[], stats_series
         for (size_t i = 0; i < blocks; i++) work[i] = 0.5 * work[2 * i] + 0.5 * work[2 * i + 1];
     }
     return status ? status
-                  : rp_fail(RP_NO_RESULT, "no plateau: %zu values are too few for their correlation", n);
+                  : rp_fail(RP_NO_RESULT,
+                            "no plateau: %zu values are too few for their correlation, some %.2g needed", n,
+                            fmax((double)LEAST_VALUES * most, 2.0 * count));
 }
 
 rp_status stats_level_off(size_t n, const double v[], size_t *from)

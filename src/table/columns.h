@@ -38,6 +38,9 @@ bool rp_is_result(const char *status);
 /* Status words, in SQL, that the machine decides and not the physics: a sweep makes such a run again. */
 #define RP_MACHINE_STATUS "('crashed', 'no_memory', 'time_limit')"
 
+/* Columns of a sweep's tables of runs and points, beside parameters and outputs. */
+#define RP_SWEEP_COLUMNS "run status seconds pile replica n n_failed failed_for"
+
 /* How often words occur, such as statuses; as a text "no_pile:2,overlap:1", "-" for none. A text is added
  * with a weight, and may also be "no_pile 2, overlap 1" before a parenthesis; a word alone has NaN. */
 typedef struct {

@@ -1,6 +1,7 @@
 /* Tables with provenance; see table.h. */
 #include "table/table.h"
 
+#include <ctype.h>
 #include <gsl/gsl_version.h>
 #include <libconfig.h>
 #include <math.h>
@@ -12,6 +13,7 @@
 #include <xxhash.h>
 
 #include "core/file.h"
+#include "core/plain.h"
 #include "core/version.h"
 #include "params/guess.h"
 #include "params/params.h"
@@ -41,8 +43,7 @@ void rp_table_note(FILE *out, const char *key, const char *format, ...)
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    for (char *c = text; (c = strpbrk(c, "\n\r"));) *c = ' '; /* as in a file's name: a note is one line */
-    fprintf(out, "# %s: %s\n", key, text);
+    fprintf(out, "# %s: %s\n", key, rp_plain(text)); /* a note is one line */
 }
 
 void rp_table_note_number(FILE *out, const char *key, double value, const char *text)
@@ -227,6 +228,15 @@ static void take_index(reading *r, size_t n)
     t->names[0] = name;
 }
 
+/* Is there a comma between two digits? */
+static const char *if_decimal_commas(const char *text)
+{
+    for (const char *c = text; (c = strchr(c, ',')); c++)
+        if (c > text && isdigit((unsigned char)c[-1]) && isdigit((unsigned char)c[1]))
+            return "; decimal commas? write points, as in 0.5";
+    return "";
+}
+
 static rp_status take_row(reading *r, char *line, size_t n, size_t line_number)
 {
     rp_table *t = r->table;
@@ -244,8 +254,8 @@ static rp_status take_row(reading *r, char *line, size_t n, size_t line_number)
         if (!t->cells) return rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
     }
     if (n != t->n_columns)
-        return rp_fail(RP_BAD_INPUT, "%s:%zu: %zu cells where %zu are expected", t->path, line_number, n,
-                       t->n_columns);
+        return rp_fail(RP_BAD_INPUT, "%s:%zu: %zu cells where %zu are expected%s", t->path, line_number, n,
+                       t->n_columns, if_decimal_commas(line));
     if (has_empty_cell(line, blanks, n))
         return rp_fail(RP_BAD_INPUT, "%s:%zu: an empty cell", t->path, line_number);
     split_cells(line, blanks, t->cells + t->n_rows * n);
@@ -263,6 +273,11 @@ static rp_status take_line(reading *r, char *line, size_t line_number)
         r->above = line + 1 + strspn(line + 1, " ");
         return RP_OK;
     }
+    if (!r->blanks && !r->header && !strchr(line, '\t') && strchr(line, ';'))
+        return rp_fail(RP_BAD_INPUT,
+                       "%s:%zu: cells are separated by ;, tabs or commas expected, and decimal points: "
+                       "tr ';,' '\\t.' <FILE >TABLE writes them so",
+                       t->path, line_number);
     if (!r->blanks && strspn(line, " \t\r,") < strlen(line)) r->blanks = blanks_of(line, r->texts);
     const size_t n = r->blanks ? count_cells(line, r->blanks) : 0;
     if (n == 0) return RP_OK;
@@ -271,13 +286,47 @@ static rp_status take_line(reading *r, char *line, size_t line_number)
     return take_row(r, line, n, line_number);
 }
 
+/* Files of other programs, by their first bytes. */
+static rp_status check_kind(const rp_table *t)
+{
+    static const char *const kinds[][2] = {{"ITEM:", "a dump of LAMMPS"},
+                                           {"LAMMPS", "a data or log file of LAMMPS"},
+                                           {"# vtk", "a VTK file"},
+                                           {"<", "an XML file"},
+                                           {"{", "a JSON file"},
+                                           {"%PDF", "a PDF file"},
+                                           {"PK", "an archive or spreadsheet"}};
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
+        if (strncmp(t->text, kinds[k][0], strlen(kinds[k][0])) == 0)
+            return rp_fail(RP_BAD_INPUT,
+                           "%s: is %s; a table expected: a line of names, as x y r, and a row of numbers for "
+                           "each grain or run",
+                           t->path, kinds[k][1]);
+    return RP_OK;
+}
+
+/* Tables of any encoding are read, but no byte that a terminal takes for a control character. */
+static rp_status check_bytes(const rp_table *t)
+{
+    size_t line = 1, n;
+    for (const char *c = t->text; *c; c += n ? n : 1) {
+        n = rp_character(c);
+        line += *c == '\n';
+        if (n == 0 && !strchr("\t\n\r", *c) && (unsigned char)*c < 0xa0)
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: no text: a control character (byte %d)", t->path, line,
+                           (unsigned char)*c);
+    }
+    return RP_OK;
+}
+
 /* Split the text that the table has. */
 static rp_status split_text(bool texts, rp_table *table)
 {
     reading r = {.table = table, .texts = texts, .most_rows = 1};
-    rp_status status = RP_OK;
+    rp_status status = check_bytes(table);
     if (strncmp(table->text, "\xEF\xBB\xBF", 3) == 0) /* a byte order mark */
         memmove(table->text, table->text + 3, strlen(table->text + 3) + 1);
+    RP_TRY(check_kind(table));
     for (const char *p = table->text; *p; p++) r.most_rows += *p == '\n';
     r.most_cells = strlen(table->text) / 2 + 1;
     table->places = calloc(r.most_rows, sizeof *table->places);
@@ -407,6 +456,24 @@ rp_status rp_table_find(const rp_table *table, const char *name, const char *exp
     return RP_OK;
 }
 
+/* Its first row is shown, since that is what one looks for in the file. */
+rp_status rp_table_nameless(const rp_table *t)
+{
+    char row[128] = "";
+    size_t used = 0;
+    double first, next;
+    for (size_t c = 0; c < t->n_columns && used < sizeof row; c++)
+        used +=
+            (size_t)snprintf(row + used, sizeof row - used, "%s%.20s", c ? " " : "", rp_cell(t, 0, (int)c));
+    const bool counts = t->n_rows > 1 && t->n_columns > 3 && rp_text_number(rp_cell(t, 0, 0), &first) &&
+                        rp_text_number(rp_cell(t, 1, 0), &next) && next == first + 1.0;
+    return rp_fail(
+        RP_BAD_INPUT,
+        "%s:%zu: no names of columns above the first row \"%s\"; what are they? Write a line as \"%sx y r\" "
+        "above it%s",
+        RP_PLACE(t, 0), row, counts ? "index " : "", counts ? " (the first column counts the rows)" : "");
+}
+
 /* rp_table_read has ended every line with NUL; the first row stops the search. */
 const char *rp_table_find_note(const rp_table *table, const char *key)
 {
@@ -438,8 +505,8 @@ rp_status rp_table_number(const rp_table *table, size_t row, int column, int mis
         return RP_OK;
     }
     if (!rp_text_number(cell, value) || (!isfinite(*value) && !missing_ok)) /* "" is none */
-        return rp_fail(RP_BAD_INPUT, "%s:%zu: column %d%s%s: \"%.40s\" is not a finite number",
+        return rp_fail(RP_BAD_INPUT, "%s:%zu: column %d%s%s: \"%.40s\" is not a finite number%s",
                        RP_PLACE(table, row), column + 1, table->names[column] ? " " : "",
-                       table->names[column] ? table->names[column] : "", cell);
+                       table->names[column] ? table->names[column] : "", cell, if_decimal_commas(cell));
     return RP_OK;
 }

@@ -17,7 +17,7 @@ RP_C_BEGIN
  * than cgs. */
 void rp_table_provenance(FILE *out, rp_units units, const char *command);
 
-/* One more header line, "# key: text", of at most 8191 bytes; the end of a line becomes a blank. */
+/* One more header line, "# key: text", of at most 8191 bytes, made plain by rp_plain. */
 void rp_table_note(FILE *out, const char *key, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 /* The header line "# key: value text", the number in its shortest form; `text` is its unit. */
@@ -59,7 +59,7 @@ typedef struct {
  * or in the last line with '#' above a first row with numbers, as older tables have it; a table without names
  * has columns "1", "2", ... The first column of a table with an index, which has no name, is "index". A row
  * that repeats the names is left out. Free with rp_table_free, also after an error. Errors: RP_BAD_INPUT
- * (missing file, rows of unequal length), RP_IO, RP_NO_MEMORY. */
+ * (missing file, control characters, rows of unequal length), RP_IO, RP_NO_MEMORY. */
 rp_status rp_table_read(const char *path, rp_table *table);
 
 /* The rows of `more`, whose texts are borrowed, after those of `table`; messages on the whole name the path
@@ -82,6 +82,9 @@ int rp_table_column(const rp_table *table, const char *name);
 /* The same; the message of the error shows the names that are `expected`, as "x y r", and those that the
  * table has. Errors: RP_BAD_INPUT. */
 rp_status rp_table_find(const rp_table *table, const char *name, const char *expected, int *column);
+
+/* Refuse a table of grains without names of columns: RP_BAD_INPUT, with its first row. */
+rp_status rp_table_nameless(const rp_table *table);
 
 /* The text of the header line "# key: text", or NULL, and that of the next such line. Only for tables with
  * rows. */

@@ -54,7 +54,7 @@ static double find_window(const view_frame *first, const view_frame *end, double
     const double r = sum / (double)n, most = 0.5 * fmax(grains[1] - grains[0], grains[3] - grains[2]);
     memcpy(window, grains, sizeof grains);
     for (const view_frame *f = first; f < end; f++)
-        for (const view_wall *w = f->walls; w < f->walls + f->n_walls; w++)
+        for (const view_wall *w = f->walls; f->n_walls && w < f->walls + f->n_walls; w++)
             for (int k = 0; k < 2; k++) {
                 double p[2];
                 end_of(w, w->ends[k], p);
@@ -111,7 +111,7 @@ static double *pressure_of(rp_arena *arena, const view_frame *f, const view_scal
 {
     *n = grid_of(s).nx;
     double *pressure = rp_arena_memory(arena, *n, sizeof *pressure);
-    for (const view_contact *v = f->contacts; v < f->contacts + f->n_contacts; v++)
+    for (const view_contact *v = f->contacts; f->n_contacts && v < f->contacts + f->n_contacts; v++)
         if (v->wall && v->c.y - v->c.y_b >= fabs(v->c.x - v->c.x_b))
             add_to_bins(s, *n, pressure, v->c.x_b, v->c.fy);
     for (size_t k = 0; k < f->n_base; k++) add_to_bins(s, *n, pressure, f->base_x[k], f->base_force[k]);
@@ -336,7 +336,7 @@ static void put_contacts(const view_frame *f, const view_scale *s, FILE *out)
 {
     const int classes = find_colours().classes;
     fputs("$contacts << end\n", out);
-    for (const view_contact *v = f->contacts; v < f->contacts + f->n_contacts; v++) {
+    for (const view_contact *v = f->contacts; f->n_contacts && v < f->contacts + f->n_contacts; v++) {
         const int k = (int)fmin(ceil(classes * fabs(v->normal) / s->force), classes);
         if (k > 0)
             fprintf(out, "%.9g %.9g %.9g %.9g %d\n", v->c.x, v->c.y, v->c.x_b - v->c.x, v->c.y_b - v->c.y,
@@ -367,7 +367,7 @@ static bool put_walls(const view_frame *f, const view_scale *s, FILE *out)
 {
     bool any = false;
     fputs("$walls << end\n", out);
-    for (const view_wall *w = f->walls; w < f->walls + f->n_walls; w++) {
+    for (const view_wall *w = f->walls; f->n_walls && w < f->walls + f->n_walls; w++) {
         double ends[2], a[2], b[2];
         if (!clip(w, s->window, ends)) continue;
         end_of(w, ends[0], a);
@@ -389,7 +389,7 @@ static weighted *places_of(rp_arena *arena, const view_frame *f, const stress_gr
 {
     enum { PARTS = 8 };
     weighted *cells = rp_arena_memory(arena, g->nx * g->ny, sizeof *cells);
-    for (const view_contact *v = f->contacts; v < f->contacts + f->n_contacts; v++)
+    for (const view_contact *v = f->contacts; f->n_contacts && v < f->contacts + f->n_contacts; v++)
         for (int k = 0; k < PARTS; k++) {
             const stress_contact *c = &v->c;
             const double part = (k + 0.5) / PARTS, x = c->x + part * (c->x_b - c->x),

@@ -29,6 +29,7 @@ rp_status view_gnuplot_open(view_gnuplot *g, char *const arguments[], const char
     if (pipe2(ends, O_CLOEXEC) != 0) return rp_fail(RP_IO, "%s: %s", arguments[0], strerror(errno));
     if (out) fflush(out);
     signal(SIGPIPE, SIG_IGN);
+    setenv("LC_ALL", "C.UTF-8", 1); /* where no locale is set, gnuplot warns of a degree sign */
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
     if (out && fileno(out) != STDOUT_FILENO)

@@ -185,6 +185,9 @@ rp_status view_read(rp_arena *arena, const char *path, const char *color, view_s
     const bool folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
     RP_TRY((folder ? read_folder : add_source)(arena, path, color, scene));
     if (scene->n > 0) return RP_OK;
-    return folder ? rp_fail(RP_BAD_INPUT, "%s: no rows in a states.tsv, disks.tsv or ..._grains.tsv", path)
+    return folder ? rp_fail(RP_BAD_INPUT,
+                            "%s: no rows in a states.tsv, disks.tsv or ..._grains.tsv; of a sweep -x and -y "
+                            "draw points",
+                            path)
                   : rp_fail(RP_BAD_INPUT, "%s: no rows", path);
 }

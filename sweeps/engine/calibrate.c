@@ -86,7 +86,7 @@ static rp_status read_measured(sweep_problem *s, const config_setting_t *setting
     RP_TRY(rp_config_group(setting, schema, m, "fixed"));
     if ((*m->experiment != 0) + (*m->protocol != 0) + (*m->runs != 0) != 1)
         return rp_config_fail(setting, "measured: one of experiment, protocol and runs expected");
-    if (*m->runs && values) return rp_config_fail(values, "fixed: a table is as it is");
+    if (*m->runs && values) return rp_config_fail(values, "fixed: has no effect on a table");
     s->quest.value[k] = m->value;
     s->quest.error[k] = rp_hypot(m->error, m->model_error);
     if (values) RP_TRY(text_of(s->arena, values, &fixed));
@@ -130,7 +130,7 @@ static rp_status read_where(sweep_problem *s, const config_setting_t *where)
     s->names = (rp_x_names){.host = s, .find = find_name, .list = list_names};
     if (!text || rp_expression_read_as(s->arena, text, RP_X_TRUTH, &s->names, &s->where))
         return rp_config_fail(where, "where%s%s: %s", text ? " " : "", text ? text : "",
-                              text ? rp_message() : "a condition of the names expected");
+                              text ? rp_message() : "a condition on the variables expected");
     s->quest.allowed = allowed;
     return RP_OK;
 }
@@ -151,12 +151,13 @@ static rp_status read_settings(sweep_problem *s, const config_setting_t *root)
     if (n < 1 || n > STATS_NUMBERS)
         return list ? rp_config_fail(list, "measured: a list ( { ... } ) of 1 to %d numbers expected",
                                      STATS_NUMBERS)
-                    : rp_fail(RP_BAD_INPUT, "%s: measured: missing (the numbers)", s->path);
+                    : rp_fail(RP_BAD_INPUT, "%s: measured: missing (the measured values)", s->path);
     s->quest.n_numbers = (size_t)n, s->quest.budget = (size_t)s->budget;
     for (int k = 0; k < n; k++) RP_TRY(read_measured(s, element(list, (size_t)k), (size_t)k));
     for (size_t g = 0; g < s->quest.n_groups && s->quest.fixed_runs; g++)
         if (strcmp(s->group[g].kind, "runs") != 0)
-            return rp_config_fail(list, "measured: numbers of tables and of experiments don't go together");
+            return rp_config_fail(list,
+                                  "measured: values from tables and from experiments cannot be combined");
     return where ? read_where(s, where) : RP_OK;
 }
 
@@ -300,7 +301,7 @@ static rp_status write_sweep(const sweep_problem *s, const sweep_group *g, const
     FILE *out;
     if (strcmp(g->kind, "experiment") == 0) {
         RP_TRY(beside(s, g->source, &source));
-        if (!realpath(s->find(s->arena, source), real))
+        if (!realpath(rp_data(s->arena, source), real))
             return rp_fail(RP_BAD_INPUT, "experiment = \"%s\": no such file", source);
         source = real;
     }

@@ -26,8 +26,7 @@ typedef struct sweep_problem {
     rp_arena *arena;
     const char *path; /* of the file */
     const sweep_protocol *const *protocols;
-    const char *command;                                /* for the headers of tables */
-    const char *(*find)(rp_arena *arena, const char *); /* the file of this name, as cli_data */
+    const char *command; /* for the headers of tables */
     /* and before it is solved: sweep_run of a folder, for runs of this source */
     rp_status (*run)(const struct sweep_problem *problem, size_t stage, const char *source, const char *dir,
                      sweep_counts *counts);

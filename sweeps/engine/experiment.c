@@ -179,21 +179,17 @@ static rp_status add_let(experiment *e, const rp_let *let)
     return p->fallback && p->range ? RP_OK : RP_NO_MEMORY;
 }
 
-/* A column is told from those that every sweep has, and from the lets. */
+/* A column is told from the lets. */
 static rp_status check_output(const experiment *e, const sweep_output outputs[], size_t k)
 {
     const char *name = outputs[k].name, *path = e->text.path;
-    if (sweep_column_is_taken(name))
-        return rp_fail(RP_BAD_INPUT, "%s: %s is a column that every sweep has; give the measure another name",
-                       path, name);
     for (const rp_param *p = e->schema; p->name; p++)
         if (sweep_column_is_statistic(p->name, name))
             return rp_fail(RP_BAD_INPUT,
                            "%s: %s is a let, and what a sweep's points call a statistic of the measure %s; "
                            "give one another name",
                            path, p->name, name);
-    if (!rp_params_find(e->schema, name)) return RP_OK;
-    return rp_fail(RP_BAD_INPUT, "%s: %s is a let and a column of a measure", path, name);
+    return RP_OK;
 }
 
 /* A measure that is changed is another: what has been stored of it before is left alone. */

@@ -3,12 +3,12 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "params/config.h"
 #include "core/file.h"
 #include "params/units.h"
 #include "core/version.h"
+#include "table/columns.h"
 
 enum { MAX_RUNS = 10000000 };
 enum { PILES_OWN, PILES_SHARED };
@@ -100,7 +100,8 @@ static const config_setting_t *element(const config_setting_t *group, size_t i)
     return config_setting_get_elem(group, (unsigned)i);
 }
 
-/* Open the experiment's file, beside the sweep's, or the protocol's text. A sweep's folder has a copy. */
+/* Open the experiment's file, beside the sweep's or as rp_data finds it, or the protocol's text. A sweep's
+ * folder has a copy. */
 static rp_status open_experiment(const char *file, const head *h, sweep_plan *plan)
 {
     RP_SCOPE(arena);
@@ -109,8 +110,9 @@ static rp_status open_experiment(const char *file, const head *h, sweep_plan *pl
     const config_setting_t *units = config_lookup(&plan->config, "units");
     if (*name) {
         RP_TRY(rp_path(&arena, &path, "%.*sstore.sqlite", folder, file));
-        if (access(path, F_OK) == 0) name = "experiment.cfg";
+        if (rp_is_there(path)) name = "experiment.cfg";
         RP_TRY(rp_path(&arena, &path, "%.*s%s", *name == '/' ? 0 : folder, file, name));
+        if (!rp_is_there(path) && rp_is_there(rp_data(&arena, name))) path = rp_data(&arena, name);
         return rp_prefix(sweep_protocol_open(plan->protocol, path, &h->set, &plan->protocol),
                          "%s: experiment: ", file);
     }
@@ -186,7 +188,7 @@ static rp_status read_axis(sweep_plan *plan, size_t a, const config_setting_t *f
     for (size_t other = 0; other < a; other++)
         if (plan->axes[other].param == axis->param)
             return rp_config_fail(axis->list, "%s: appears twice in the grid; keep one", name);
-    if (plan->protocol->context && sweep_column_is_taken(name))
+    if (plan->protocol->context && rp_word_index(RP_SWEEP_COLUMNS, name) >= 0)
         return rp_config_fail(axis->list, "%s: is a column that every sweep has; give the let another name",
                               name);
     const rp_type type = axis->param->type;

@@ -72,7 +72,7 @@ static rp_status remove_snapshot(const pool *p, size_t run)
 {
     char key[33], path[4096];
     snapshot_of(p, run, key, path);
-    if (access(path, F_OK) != 0) return RP_OK;
+    if (!rp_is_there(path)) return RP_OK;
     RP_TRY(sweep_store_commit(p->store));
     run_forget(path);
     return RP_OK;

@@ -65,16 +65,6 @@ size_t sweep_count_outputs(const sweep_protocol *protocol)
     return n;
 }
 
-/* Columns of tables of runs and points, beside parameters and outputs. */
-bool sweep_column_is_taken(const char *name)
-{
-    static const char *const own[] = {"run",     "status", "seconds",  "pile",
-                                      "replica", "n",      "n_failed", "failed_for"};
-    bool taken = false;
-    for (size_t k = 0; k < sizeof own / sizeof *own; k++) taken |= strcmp(own[k], name) == 0;
-    return taken;
-}
-
 const char *const sweep_statistics[SWEEP_STATISTICS] = {"mean", "sd", "se", "lo95", "hi95", "n"};
 
 bool sweep_column_is_statistic(const char *name, const char *output)

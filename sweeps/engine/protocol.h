@@ -101,9 +101,6 @@ rp_status sweep_table_close(sweep_file *file, rp_status status);
 /* Hash of what is measured, and in which order: of the names in a store. */
 uint64_t sweep_outputs_hash(const sweep_output outputs[]);
 
-/* Is this the name of a column that each table has? */
-bool sweep_column_is_taken(const char *name);
-
 /* What a grid point has of an output's values, as columns y_mean, y_sd, ... of y. Is this one of them? */
 enum { SWEEP_STATISTICS = 6 };
 extern const char *const sweep_statistics[SWEEP_STATISTICS];

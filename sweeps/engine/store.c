@@ -18,6 +18,7 @@
 #include <string.h>
 
 #include "core/clock.h"
+#include "core/plain.h"
 #include "core/version.h"
 #include "table/columns.h"
 
@@ -263,6 +264,7 @@ static rp_status read_row(sweep_store *s, const sweep_plan *plan, size_t run, bo
                        .seconds = sqlite3_column_double(s->find, 1),
                        .program = (const char *)sqlite3_column_text(s->find, 3)};
     snprintf(row->result.status, sizeof row->result.status, "%s", status ? status : "");
+    rp_plain(row->result.status); /* of a store of anyone's */
     return !values || read_results((const char *)sqlite3_column_text(s->find, 2), plan->protocol->outputs,
                                    row->result.values)
                ? RP_OK
@@ -331,8 +333,8 @@ static rp_status find_conflict(sweep_store *s)
                " AND (s.status <> r.status OR (s.results <> r.results AND EXISTS (SELECT 1 FROM"
                " json_each(s.results) a JOIN json_each(r.results) b ON a.key = b.key"
                " WHERE a.value IS NOT b.value))) LIMIT 1"));
-    return *text ? rp_fail(RP_BAD_INPUT, "%s: another result than in the stores before it, for %s", s->path,
-                           text)
+    return *text ? rp_fail(RP_BAD_INPUT, "%s: a different result than in the stores before it, for %s",
+                           s->path, text)
                  : RP_OK;
 }
 
@@ -345,8 +347,9 @@ static rp_status take_source(sweep_store *s, const sweep_plan *plan)
     if (empty) return RP_OK;
     RP_TRY(ask(s, model, sizeof model, "SELECT value FROM source.sweep WHERE name = 'model'"));
     if (strcmp(model, plan->model) != 0)
-        return rp_fail(RP_BAD_INPUT, "%s: made by another model of the physics (%s), not by this one (%s)",
-                       s->path, model, plan->model);
+        return rp_fail(RP_BAD_INPUT,
+                       "%s: made with a different model of the physics (%s), not with this one (%s)", s->path,
+                       model, plan->model);
     RP_TRY(find_conflict(s));
     return run_sql(s, "DELETE FROM temp.runs WHERE status IN " RP_MACHINE_STATUS
                       " AND key IN (SELECT key FROM source.runs WHERE status NOT IN " RP_MACHINE_STATUS ");"

@@ -129,7 +129,7 @@ rp_status sweep_source(const char *dir, char file[256])
     RP_ENDS(sweep_folder_close) sweep_folder f;
     *file = '\0';
     RP_TRY(name_files(dir, &f));
-    if (access(f.sqlite, F_OK) != 0) return RP_OK;
+    if (!rp_is_there(f.sqlite)) return RP_OK;
     RP_TRY(sweep_store_open(f.sqlite, false, &f.store));
     return sweep_store_note(f.store, "file", file, 256);
 }
@@ -145,11 +145,21 @@ static rp_status write_text(const char *path, const char *text)
 rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
                         const sweep_protocol *const *protocols, sweep_counts *counts)
 {
+    return sweep_prepare_seen(file, dir, replicas, protocols, NULL, NULL, counts);
+}
+
+rp_status sweep_prepare_seen(const char *file, const char *dir, size_t replicas,
+                             const sweep_protocol *const *protocols, sweep_planning *look, void *context,
+                             sweep_counts *counts)
+{
     RP_ENDS(sweep_folder_close) sweep_folder f;
     RP_TRY(name_files(dir, &f));
     RP_TRY(sweep_plan_read(file, protocols, &f.plan));
     if (replicas > 0) RP_TRY(sweep_plan_replicate(&f.plan, replicas));
-    for (size_t i = 0; i < f.plan.n_points; i++) RP_TRY(sweep_plan_check_point(&f.plan, file, i));
+    for (size_t i = 0; i < f.plan.n_points; i++) {
+        RP_TRY(sweep_plan_check_point(&f.plan, file, i));
+        if (look) look(context, i + 1, f.plan.n_points);
+    }
     RP_TRY(claim(&f));
     RP_TRY(lock_folder(&f, false));
     RP_TRY(sweep_store_open(f.sqlite, true, &f.store));

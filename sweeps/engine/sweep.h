@@ -77,6 +77,12 @@ void sweep_recipe_free(sweep_recipe *recipe);
 rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
                         const sweep_protocol *const *protocols, sweep_counts *counts);
 
+/* The same, with a look at the number of grid points after each that is checked. */
+typedef void sweep_planning(void *context, size_t checked, size_t points);
+rp_status sweep_prepare_seen(const char *file, const char *dir, size_t replicas,
+                             const sweep_protocol *const *protocols, sweep_planning *look, void *context,
+                             sweep_counts *counts);
+
 /* Make the runs that are not stored yet, each in a worker process; one row is committed a finished run. A
  * run whose worker dies is tried three times. It is then a row with status "crashed", one beyond a
  * limit "no_memory" or "time_limit", with the cause in its message: RP_NO_RESULT, and the next call tries

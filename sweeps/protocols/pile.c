@@ -15,30 +15,30 @@
 
 /* clang-format off */
 const rp_param sweep_pile_schema[] = {
-    {"eps", "", RP_REAL, AT(eps), "1e-4", "[0, 0.1]", "m g/(K_s sigma); 0: the limit eps -> 0, linearised"},
+    {"eps", "", RP_REAL, AT(eps), "1e-4", "[0, 0.1]", "softness m g/(K_s sigma); 0: the linearised limit eps -> 0"},
     {"base", "", RP_INT, AT(base), "45", "[1, 1000000]", "disks in the base"},
-    {"alpha_deg", "degree", RP_REAL, AT(alpha_deg), "60", "(0, 60]", "slope, 60: the full triangle; of a tent alpha_1, from the edge to x_1"},
+    {"alpha_deg", "degree", RP_REAL, AT(alpha_deg), "60", "(0, 60]", "slope; 60: the full triangle; for a tent alpha_1, from the edge to x_1"},
     {"inner_deg", "degree", RP_REAL, AT(inner_deg), "auto", "(0, 60) | auto",
      "alpha_2 of a tent, from x_1 to the middle; auto: no tent"},
     {"x_1", "B", RP_REAL, AT(x_1), "0.25", "(0, 0.5)", "position where the slope of a tent changes"},
-    {"gap", "sigma", RP_REAL, AT(gap), "0", "[0, 0.73]", "between the disks of a row; those of the diagonals touch"},
+    {"gap", "sigma", RP_REAL, AT(gap), "0", "[0, 0.73]", "gap between the disks of a row; those of the diagonals touch"},
     {"disorder", "", RP_REAL, AT(disorder), "0", "[0, 0.1]",
-     "S: radii of the disks above the base (1 + S z)/2 on the same lattice, z normal, cut at +-3"},
-    {"k_x", "K_s", RP_REAL, AT(k_x), "1", "(0, 1e9]", "wells that are springs and never break, of this stiffness"},
+     "S: radii of the disks above the base are (1 + S z)/2 on the same lattice, with z normal, cut at +-3"},
+    {"k_x", "K_s", RP_REAL, AT(k_x), "1", "(0, 1e9]", "stiffness of wells that are springs and never break"},
     {"well", "eps sigma", RP_REAL, AT(well), "auto", "(0, 1e9] | auto",
-     "wells of static friction instead, of this half-width a: stiffness mu N/a, broken beyond a; auto: springs"},
+     "use wells of static friction of this half-width a instead: stiffness mu N/a, broken beyond a; auto: springs"},
     {"mu", "", RP_REAL, AT(mu), "1", "(0, 1e9]", "coefficient of static friction of wells with a half-width"},
-    {"set_again", "", RP_BOOL, AT(set_again), "false", "", "a broken well is set anew where its disk then is; else it stays broken", true},
+    {"set_again", "", RP_BOOL, AT(set_again), "false", "", "set a broken well again where its disk then is; otherwise it stays broken", true},
     {"set_load", "", RP_REAL, AT(set_load), "0", "[0, 1]",
-     "part of the load under which the disks' positions become the wells' x_0; 0: their positions in the lattice", true},
+     "fraction of the load under which the positions of the disks become x_0 of the wells; 0: positions in the lattice", true},
     {"branch", "", RP_CHOICE, AT(branch), "primary", "primary | minimum",
-     "the state that grows from no load, stable or not; or a minimum of the energy near it"},
+     "primary: the state that grows from no load, stable or not; minimum: a minimum of the energy near it"},
     {"leave", "", RP_INT, AT(leave), "0", "[0, 2147483647]",
-     "of branch = minimum: leave the primary state along unstable direction number N, drawn at random; 0: downhill from the "
+     "for branch = minimum: leave the primary state along unstable direction number N, drawn at random; 0: downhill from the "
      "linearised state", true},
-    {"load_steps", "", RP_INT, AT(load_steps), "1", "[1, 1000000]", "steps in which the load is raised", true},
+    {"load_steps", "", RP_INT, AT(load_steps), "1", "[1, 1000000]", "number of steps in which the load is raised", true},
     {"threshold", "", RP_BOOL, AT(threshold), "false", "",
-     "seek instead, from eps on, the eps_c above which the primary branch is not stable", true},
+     "find instead, from eps on, the eps_c above which the primary branch is not stable", true},
     {0}};
 
 #define OUTPUTS(X) \

@@ -25,13 +25,13 @@ static rp_status print_marginal(cli_call *call, const void *values)
 
 static const cli_command marginal = {
     "angle marginal",
-    "angle of marginal stability, (3)",
+    "angle of marginal stability, by (3) of Lee & Herrmann 1993",
     "--mu MU [options]",
-    "Angle of marginal stability, tan theta_MS = mu tan^2 phi (Lee & Herrmann 1993, (3)). status: ok, or "
-    "extrapolated where theta_MS >= phi, beyond the derivation.",
+    "Angle of marginal stability by (3) of Lee & Herrmann 1993: tan theta_MS = mu tan^2 phi. status is ok, "
+    "or extrapolated if theta_MS >= phi, where the derivation does not hold.",
     "repose angle marginal --mu 0.2",
     marginal_params,
-    .refuses = "A negative friction; rays that are level or upright.",
+    .refuses = "A negative friction coefficient; rays that are horizontal or vertical.",
     .act = print_marginal};
 
 /* ---- tilt ---- */
@@ -62,14 +62,20 @@ static rp_status print_tilt(cli_call *call, const void *values)
 
 static const cli_command tilt = {
     "angle tilt",
-    "tilt at which a pile slides, (4)",
+    "tilt at which a pile slides, by (4) of Lee & Herrmann 1993",
     "--mu MU --theta-r-deg ANGLE [options]",
-    "Tilt theta_T at which a pile slides (Lee & Herrmann 1993, (4)), theta_MS of (3), margin theta_MS - "
-    "theta_R, and the tilt up to which the form is defined. form: balanced (rays fixed to gravity, forces "
-    "balance), lattice (rays fixed to the pile, forces balance), sine ((4b) with sines for tangents), "
-    "printed. status: ok; ok_pulling (found, but there one ray of the lattice form pulls); already_unstable "
-    "(margin negative, no theta_T); no_slide (no theta_T below the limit); rays_miss (else, where theta_R >= "
-    "phi: no theory, exit status 1).",
+    "Prints the tilt theta_T at which a pile slides, by (4) of Lee & Herrmann 1993; theta_MS of (3); the "
+    "margin theta_MS - theta_R; and the tilt up to which the form of (4) is defined. The forms are\n"
+    "  balanced  rays fixed to gravity, forces balance\n"
+    "  lattice   rays fixed to the pile, forces balance\n"
+    "  sine      sines instead of the tangents in (4b)\n"
+    "  printed   as in the paper\n"
+    "status is one of\n"
+    "  ok                theta_T was found\n"
+    "  ok_pulling        found, but one ray of the lattice form attracts there\n"
+    "  already_unstable  the margin is negative: no theta_T\n"
+    "  no_slide          no theta_T below the limit\n"
+    "  rays_miss         otherwise, if theta_R >= phi: no theory, exit status 1",
     "repose angle tilt --mu 0.2 --theta-r-deg 18 --form balanced",
     tilt_params,
     .refuses =
@@ -79,5 +85,5 @@ static const cli_command tilt = {
 /* ---- group ---- */
 
 static const cli_command *const commands[] = {&marginal, &tilt, &cmd_angle_slope, CLI_ANGLE(CLI_ENTRY) NULL};
-const cli_command cmd_angle = {"angle", "angles of repose, tilting and marginal stability from plain numbers",
+const cli_command cmd_angle = {"angle", "angles of repose, tilting and marginal stability",
                                .group = commands};

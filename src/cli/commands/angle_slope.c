@@ -7,22 +7,23 @@
 
 #define SLOPE_OPTIONS(X)                                                                                     \
     X(REAL, width, "", "auto", "(0, inf) | auto",                                                            \
-      "width W of a box from x = 0, in the unit of FILE; auto: the pile, wherever it is")                    \
+      "width W of a box from x = 0, in the unit of FILE; auto: no box, the pile is found wherever it is")    \
     CLI_RANGE(X, "x")                                                                                        \
     X(REAL, cell, "", "auto", "(0, inf) | auto",                                                             \
-      "nominal diameter d of a grain, in the unit of FILE; round(W/d) cells; auto: the mean of r")           \
+      "nominal diameter d of a grain, in the unit of FILE, for round(W/d) bins; auto: the mean diameter")    \
     X(CHOICE, height, "", "centre", ANG_HEIGHT_WORDS,                                                        \
-      "height of a cell: highest centre - d/2 (at least 0), highest centre, or highest point")               \
-    X(CHOICE, empty, "", "zero", ANG_EMPTY_WORDS, "empty cells have height 0, or are left out")              \
+      "height of a bin: highest centre - d/2 (at least 0), highest centre, or highest point")                \
+    X(CHOICE, empty, "", "zero", ANG_EMPTY_WORDS, "empty bins have height 0, or are left out")               \
     X(CHOICE, parabola, "", "free", ANG_PARABOLA_WORDS,                                                      \
       "parabola of method 3: three coefficients, or through the origin")                                     \
     X(CHOICE, y_axis, "", "up", "up | down",                                                                 \
-      "where y grows to: down in the rows of a picture; in a box the lowest point is d/2 above the ground")  \
+      "direction in which y grows: down for the rows of a picture, where in a box the lowest point is d/2 "  \
+      "above the ground")                                                                                    \
     CLI_WHERE(X)
 
 CLI_OPTIONS(slope, SLOPE_OPTIONS)
 
-/* Columns by name, if the table has one of the names, else the first ones. Radii are read where the table has
+/* Columns by name, unless there are only so many. Radii are read where the table has
  * them, if they are useful. */
 static rp_status read_grains(rp_arena *arena, rp_table *t, const slope_options *o, bool *with_r,
                              double **block)
@@ -36,14 +37,13 @@ static rp_status read_grains(rp_arena *arena, rp_table *t, const slope_options *
             if (t->names[i] && strcasecmp(t->names[i], first[c]) == 0) t->names[i] = first[c];
         named |= rp_table_column(t, first[c]) >= 0;
     }
+    if (!named && !t->names[0] && t->n_columns > 3) return rp_table_nameless(t);
+    named |= t->names[0] && t->n_columns > 2; /* which are to be x and y */
     *with_r = needs_r || (useful && (named ? rp_table_column(t, "r") >= 0 : t->n_columns >= 3));
     const size_t n = *with_r ? 3 : 2;
     if (!named && t->n_columns < n)
         return rp_fail(RP_BAD_INPUT, "%s: %zu columns, at least %zu (%s) needed", t->path, t->n_columns, n,
                        *with_r ? "x y r" : "x y");
-    if (!named && t->names[0] && t->n_columns > 2)
-        fprintf(stderr, "repose angle slope: %s: no columns x, y: taken instead: %s, %s\n", t->path,
-                t->names[0], t->names[1]);
     for (size_t c = 0; !named && c < n; c++) t->names[c] = first[c];
     return rp_columns_read(arena, t, *with_r ? "x,y,r" : "x,y", block);
 }
@@ -54,9 +54,9 @@ static void warn_negative(const cli_call *call, const ang_slope slopes[ANG_N_MET
     bool negative = !cli_given(call, "y-axis");
     for (int i = 0; i < ANG_N_METHODS; i++) negative &= slopes[i].slope < 0.0;
     if (negative)
-        fputs("repose angle slope: the angles are negative: the surface falls to the left (--y-axis up tells "
-              "so), or y counts downward, as the rows of a picture do (--y-axis down)\n",
-              stderr);
+        cli_say(
+            "repose angle slope: the angles are negative: give --y-axis down if y counts downward, as the "
+            "rows of a picture do, or --y-axis up if the surface falls to the left");
 }
 
 /* Without slopes: rows without result. */
@@ -81,7 +81,7 @@ static rp_status choose_cell(const slope_options *o, const rp_table *t, const do
     if (o->cell > 0.0) return RP_OK;
     if (!with_r)
         return rp_fail(RP_USAGE,
-                       "%s: no radii, from which --width has its cells; give --cell, or leave --width out",
+                       "%s: no radii, which --width needs for its bins; give --cell, or leave --width out",
                        t->path);
     for (size_t i = 0; i < n; i++)
         if (!(r[i] > 0.0))
@@ -107,18 +107,30 @@ static rp_status slope_of_box(size_t n, const double *block, bool with_r, const 
         if (o->height == ANG_CENTRE) lowest = fmin(lowest, y[i]);
     }
     if (!status && (2 * s.n_occupied <= s.n_cells || left >= s.cell || lowest < -0.5 * s.cell))
-        status = rp_fail(
-            RP_NO_RESULT,
-            "sparse: %zu of %zu cells hold a point, the first x is %g and the lowest y %g, where a box "
-            "begins at 0, 0; give a larger --cell than %g or a smaller --width, or leave --width out",
-            s.n_occupied, s.n_cells, left, lowest, s.cell);
+        status =
+            rp_fail(RP_NO_RESULT,
+                    "sparse: %zu of %zu bins hold a point, the first x is %g and the lowest y %g, but a box "
+                    "begins at 0, 0; give a larger --cell than %g or a smaller --width, or leave --width out",
+                    s.n_occupied, s.n_cells, left, lowest, s.cell);
     if (!status && (4 * s.n_occupied < 3 * s.n_cells || gsl_stats_min(x, 1, n) < 0.0 ||
                     (!ang_pile_find(n, x, y, (double[]){0.0, o->width}, pile) && pile->n_flanks == 2)))
-        fputs("repose angle slope: a box leaves out x < 0, its empty cells have height 0, and it has one "
-              "flank; without --width the pile is found wherever it is\n",
-              stderr);
+        cli_say("repose angle slope: a box leaves out x < 0, its empty bins have height 0, and it has one "
+                "flank; without --width the pile is found wherever it is");
     *pile = (ang_pile){.n = s.n_cells, .n_flanks = 1, .n_flank = {s.n_occupied}};
     return status ? status : ang_slopes(s.n, s.column, s.h, s.cell, options.parabola, pile->flank[0]);
+}
+
+/* There is no pile: a hint if there is one where y counts downward. */
+static rp_status try_downward(size_t n, double *block, const slope_options *o)
+{
+    ang_pile pile;
+    char why[512];
+    snprintf(why, sizeof why, "%s", rp_message());
+    for (size_t i = n; i < 2 * n; i++) block[i] = -block[i];
+    const bool found = !ang_pile_find(n, block, block + n, (double[]){o->from, o->to}, &pile);
+    return rp_fail(RP_NO_RESULT, "%s%s", why,
+                   found ? "; as rows of a picture, whose y counts downward, there is one: --y-axis down"
+                         : "");
 }
 
 static rp_status slope_of_table(cli_call *call, rp_table *table, const void *values)
@@ -133,7 +145,7 @@ static rp_status slope_of_table(cli_call *call, rp_table *table, const void *val
     if (box ? cli_given(call, "from") || cli_given(call, "to")
             : cli_given(call, "cell") || cli_given(call, "empty") || cli_given(call, "parabola"))
         return rp_fail(RP_USAGE,
-                       "--cell, --empty and --parabola need --width, --from and --to are without it");
+                       "--cell, --empty and --parabola need --width; --from and --to need its absence");
     RP_TRY(rp_table_one_step(table));
     RP_TRY(read_grains(call->arena, table, o, &with_r, &block));
     const size_t n = table->n_rows;
@@ -144,11 +156,14 @@ static rp_status slope_of_table(cli_call *call, rp_table *table, const void *val
     for (size_t i = 0; i < n && !box && o->height == ANG_TOP; i++) block[n + i] += block[2 * n + i];
     rp_status status = box ? slope_of_box(n, block, with_r, o, cell, &pile)
                            : ang_pile_find(n, block, block + n, (double[]){o->from, o->to}, &pile);
+    if (!box && status == RP_NO_RESULT && !cli_given(call, "y-axis")) status = try_downward(n, block, o);
     if (!status && pile.n_flanks == 2 && pile.flank[0][1].slope > 0.0 && !cli_given(call, "y-axis"))
-        status = rp_fail(RP_NO_RESULT,
-                         "a valley, two flanks that fall inwards: y counts downward, as the rows of a "
-                         "picture do (--y-axis down), or not (--y-axis up tells so)");
-    rp_prefix(status, "%s: %s", table->path, box ? "" : "choose a flank by --from and --to: ");
+        status = rp_fail(RP_NO_RESULT, "a valley, two flanks that fall inwards: give --y-axis down if y "
+                                       "counts downward, as the rows of a picture do, or else --y-axis up");
+    if (!box && pile.n_stray > 0 && !status)
+        cli_say("repose angle slope: %s: %zu stray points beside the pile are left out", table->path,
+                pile.n_stray);
+    rp_prefix(status, "%s: %s", table->path, box ? "" : "choose a flank with --from and --to: ");
     if (status && status != RP_NO_RESULT) return status;
     cli_table(call, call->out);
     if (box) rp_table_note_number(call->out, "cell", cell, origin);
@@ -170,26 +185,34 @@ static rp_status slope_of_table(cli_call *call, rp_table *table, const void *val
 
 const cli_command cmd_angle_slope = {
     "angle slope",
-    "slope of a table of grains by three methods",
+    "slope of a table of grains, by three methods",
     "FILE [options]",
-    "Slope of a pile's surface h(x), positive where it falls to the right, by the methods of Lee & Herrmann "
-    "1993: 1 first to last cell, 2 straight line, 3 parabola through the running sum of h. The standard "
-    "error is propagated from the scatter of h about its straight line. FILE (- for standard input): one row "
-    "a grain or a point of an outline, columns x y r (or X Y R) by name, otherwise the first three; r is "
-    "needed for --height top only. For points in pixels, whose y is the row of a picture, give --y-axis "
-    "down. The pile is found wherever it is, on any ground. A point that lies below another by more than 57 "
-    "degrees is inside; n_cells points are left as the surface. A flank is what lies between the lowest and "
-    "the highest tenth of the surface, n_occupied points. Two flanks have their rows, ok_left and ok_right, "
-    "and as "
-    "ok_mean the mean of their steepness. Otherwise: no_pile, and exit status 1. With --width the surface is "
-    "that of a box, with its ground at y = 0: the highest grain of each cell. A cell is as wide as the mean "
-    "diameter of the grains, or --cell. Fewer than 5 filled cells: no_pile; no more than half of the cells, "
-    "none at x = 0, or grains below y = 0: sparse; both have exit status 1.",
+    "Slope of the surface h(x) of a pile, positive where it falls to the right, by the methods of Lee & "
+    "Herrmann 1993: 1 first to last surface bin, 2 straight line, 3 parabola through the running sum of h. "
+    "The standard error follows from the scatter of h about the straight line.\n"
+    "\n"
+    "FILE (- for standard input) has one row for each grain, or for each point of an outline, with columns "
+    "named x y r (or X Y R). A table of two columns, or of three without names, has them in this order. r is "
+    "needed only for --height top, and for --width without --cell. For points in pixels, where y is the row "
+    "of a picture, give --y-axis down.\n"
+    "\n"
+    "Without --width, the pile is found wherever it is, on any ground. A point below another by more than 57 "
+    "degrees is taken to be inside; the other n_cells points are the surface. A flank is the surface between "
+    "its lowest and its highest tenth, with n_occupied points. If there are two flanks, both have rows, with "
+    "status ok_left and ok_right, and rows with ok_mean have the mean of their steepness. If no flank is "
+    "found, the status is no_pile.\n"
+    "\n"
+    "With --width, the surface is that of a box with its ground at y = 0, and consists of the highest grain "
+    "in each surface bin. A bin is as wide as the mean diameter of the grains, or as --cell. The status is "
+    "no_pile if fewer than 5 bins are occupied, and sparse if at most half of the bins are, if none is at x "
+    "= 0, or if grains lie below y = 0.\n"
+    "\n"
+    "With no_pile and sparse, the exit status is 1.",
     "repose angle slope pile.tsv --y-axis down",
     slope_params,
-    .refuses = "Grains of several steps: choose one by --where step=N.\n"
+    .refuses = "Grains of several steps: choose one with --where step=N.\n"
                "--height top without radii; a radius that is not positive.\n"
-               "Other than one or two flanks: choose by --from and --to.\n"
-               "A valley, unless --y-axis tells which way is up.\n"
+               "Neither one nor two flanks: choose with --from and --to.\n"
+               "A valley, unless --y-axis says which way is up.\n"
                "Without --width: --cell, --empty and --parabola; with it: --from and --to.",
     .on_table = slope_of_table};

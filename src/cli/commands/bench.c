@@ -13,16 +13,16 @@ enum { MOST = 100, FILL_STEPS = 30000, RELAX_STEPS = 50000, WARM_STEPS = 2000 };
 
 #define BENCH_OPTIONS(X)                                                                                     \
     X(INT, n, "", "400", "[1, 100000]",                                                                      \
-      "grains of the fill; larger piles, whose fall would be too high, come by --start")                     \
+      "number of grains; give larger piles, whose fall would be too high, with --start")                     \
     X(REAL, width, "cm", "auto", "(0, inf) | auto", "width of the box; auto: square when settled")           \
     X(INT, steps, "", "auto", "[1, 1000000000] | auto",                                                      \
-      "timed steps, except of a sample; auto: 2e7 particle-steps, flowing at most 10000 steps")              \
+      "timed steps, not for a sample; auto: 2e7 particle-steps, and at most 10000 steps if flowing")         \
     X(CHOICE, state, "", "settled", "settled | flowing | sample",                                            \
       "settled: at rest in the box; flowing: right after the opening; sample: a whole run from fill to "     \
       "slope, with input, 30000 steps closed, 50000 open, and output")                                       \
     X(CHOICE, floor, "", "extends", "extends | absorbs",                                                     \
       "floor beyond the opening: extends to 3 W, or absorbs grains at W")                                    \
-    X(BOOL, rotation, "", "false", "", "whether grains rotate")                                              \
+    X(BOOL, rotation, "", "false", "", "let the grains rotate")                                              \
     X(REAL, mu_roll, "", "0", "[0, inf)", "rolling resistance, with --rotation")                             \
     X(REAL, size_ratio, "", "auto", "[1, 100] | auto",                                                       \
       "largest over smallest radius: grains of each range of radii then cover an area proportional to the "  \
@@ -30,14 +30,14 @@ enum { MOST = 100, FILL_STEPS = 30000, RELAX_STEPS = 50000, WARM_STEPS = 2000 };
     X(CHOICE, kernel, "", "fast", "fast | reference | baseline | avx2 | avx512",                             \
       "kernel of the pair loop: the fastest here, the reference, or an instruction set")                     \
     X(INT, repeat, "", "5", "[1, 100]",                                                                      \
-      "timed runs, for the best and the median; 1: no extra run for the phases")                             \
+      "number of timed runs, for the best and the median; 1: no extra run for the phases")                   \
     X(TEXT, start, "", "", "",                                                                               \
-      "table with columns x y r (cm) of initial grains at rest, instead of a fill of --n; settled and "      \
+      "table with columns x y r (cm) of initial grains at rest, instead of a fill of -n; settled and "       \
       "sample: the first 2000 steps are not timed")                                                          \
     X(INT, j, "", "1", "[1, 256]",                                                                           \
-      "threads; rates of more than one are per second of wall time, and the phases are those of one")        \
+      "threads; with more than one, rates are per second of wall time, and the phases are those of one")     \
     X(TEXT, o, "", "", "",                                                                                   \
-      "table for the grains: those at the end of a sample, else at rest before the timed steps")             \
+      "table for the grains, at the end of a sample, otherwise at rest before the timed steps")              \
     CLI_FORCE(X)
 
 CLI_OPTIONS(bench, BENCH_OPTIONS)
@@ -235,18 +235,19 @@ static rp_status measure(cli_call *call, const void *values)
 
 const cli_command cmd_bench = {
     "bench",
-    "particle-steps per second on this machine",
-    "[--n N | --start TABLE] [--width W] [--size-ratio R] [--rotation] [--mu-roll MU] [--state "
+    "measure particle-steps per second on this machine",
+    "[-n N | --start TABLE] [--width W] [--size-ratio R] [--rotation] [--mu-roll MU] [--state "
     "settled|flowing|sample] [--floor extends|absorbs] [--steps N] [--kernel NAME] [--repeat N] [-j N] [-o "
     "TABLE]",
-    "Fill a square box with grains of Lee & Herrmann's parameters (mu = 0.2; no rotation, unless asked for), "
-    "let them settle, and time the simulator on one core: 1e6 particle-steps per second of processor time, "
-    "best and median of several runs. An extra run times the phases one after another: shares of contacts, "
-    "neighbour lists, integration and walls, and `bound`, the rate without lists and walls. Numbers of "
-    "contacts and listed pairs are per grain, at the end. `bytes` is the memory held per grain, `peak_bytes` "
-    "what the largest memory of the process has grown by so far. Of a sample a line above the table has "
-    "theta_R by method 3; nan: the surface does not fall to one side.",
-    "repose bench --n 1600 --state flowing --floor absorbs",
+    "Fills a square box with grains of Lee & Herrmann's parameters (mu = 0.2; no rotation, unless asked "
+    "for), lets them settle, and times the simulator on one core. The rate is in 1e6 particle-steps per "
+    "second of processor time, best and median of several runs. An extra run times the phases one after "
+    "another, and gives the fractions of contacts, neighbour lists, integration and walls, and `bound`, the "
+    "rate without lists and walls. Numbers of contacts and listed pairs are per grain, at the end. `bytes` "
+    "is the memory held per grain, and `peak_bytes` the growth so far of the largest memory of the process. "
+    "For a sample, a line above the table has theta_R by method 3; it is nan if the surface does not fall to "
+    "one side.",
+    "repose bench -n 1600 --state flowing --floor absorbs",
     bench_params,
-    .refuses = "More than 100000 grains of its own fill: larger piles come by --start.",
+    .refuses = "More than 100000 grains in its own fill: give larger piles with --start.",
     .act = measure};

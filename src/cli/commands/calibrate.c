@@ -10,9 +10,9 @@
     X(REAL, error_deg, "deg", "none", "(0, 90) | none", "its standard error")                                \
     X(REAL, theta_t_deg, "deg", "none", "[0, 90) | none", "measured tilt at which the pile moves")           \
     X(REAL, theta_t_error_deg, "deg", "none", "(0, 90) | none", "its standard error")                        \
-    X(TEXT, o, "", "calibrate", "", "folder of the answer, and of the tables of the runs")                   \
-    X(INT, budget, "", "auto", "[1, 10000000] | auto", "most runs; auto: the file's")                        \
-    X(BOOL, dry_run, "", "false", "", "check the file, and say what the first stage needs")                  \
+    X(TEXT, o, "", "calibrate", "", "folder for the answer and the tables of the runs")                      \
+    X(INT, budget, "", "auto", "[1, 10000000] | auto", "largest number of runs; auto: from the file")        \
+    X(BOOL, dry_run, "", "false", "", "check the file, and print what the first stage needs")                \
     CLI_FORCE(X)                                                                                             \
     CLI_QUIET(X)                                                                                             \
     CLI_WORKERS(X)
@@ -33,7 +33,7 @@ static rp_status run_sweep(const sweep_problem *problem, size_t stage, const cha
     calibration *c = problem->context;
     c->made |= counts->stored < counts->planned;
     if (!c->o->quiet && counts->stored < counts->planned)
-        fprintf(stderr, "repose calibrate: stage %zu, %s: %zu points, %zu runs each\n", stage + 1, source,
+        cli_say("repose calibrate: stage %zu, %s: %zu points, %zu runs each", stage + 1, source,
                 counts->points, counts->replicas);
     return cli_sweep_run(dir, (sweep_options){.workers = (int)c->o->j, .snapshot = RUN_SNAPSHOT}, c->o->quiet,
                          counts);
@@ -49,8 +49,8 @@ static const char *apart(const sweep_problem *s, const stats_answer *a)
                                               sweep_problem_combination(s, a), a->sum, a->sum_error)
                                     : "";
     return rp_text(s->arena, "%s; %s%s", sum,
-                   other ? "best to separate the names: "
-                         : "no other number of these runs separates the names",
+                   other ? "best measure to separate the variables: "
+                         : "no other measure of these runs separates the variables",
                    other ? other : "");
 }
 
@@ -70,17 +70,19 @@ static void tell(void *host, const stats_answer *a)
     bool unseparated = false;
     if (c->o->quiet || !c->made) return;
     c->made = false;
-    fprintf(stderr, "repose calibrate: after stage %zu:", a->stages);
+    const char *said = rp_text(s->arena, "repose calibrate: after stage %zu:", a->stages);
     for (size_t p = 0; p < s->quest.n_names; p++) {
         const size_t n = a->n_intervals[p];
         const stats_identified status = a->status[p];
         unseparated |= is_unseparated(s, status) && status != STATS_IDENTIFIED_BUDGET;
-        fprintf(stderr, "%s %s ", p ? "," : "", s->name[p]);
-        if (n > 0) fprintf(stderr, "%.3g to %.3g", a->interval[p][0].lower, a->interval[p][n - 1].upper);
+        said = rp_text(s->arena, "%s%s %s ", said, p ? "," : "", s->name[p]);
+        if (n > 0)
+            said = rp_text(s->arena, "%s%.3g to %.3g", said, a->interval[p][0].lower,
+                           a->interval[p][n - 1].upper);
         if (status != STATS_IDENTIFIED_BUDGET)
-            fprintf(stderr, "%s%s", n > 0 ? ", " : "", stats_identified_words[status]);
+            said = rp_text(s->arena, "%s%s%s", said, n > 0 ? ", " : "", stats_identified_words[status]);
     }
-    fprintf(stderr, "%s\n", unseparated ? apart(s, a) : "");
+    cli_say("%s%s", said, unseparated ? apart(s, a) : "");
 }
 
 /* "p <= 0.5, q >= 0.1": ends that the ranges have lost; "" without. */
@@ -101,15 +103,15 @@ static void print_answer(const cli_call *call, const sweep_problem *s, const sta
     char text[1024];
     const bool bent = a->status[0] == STATS_IDENTIFIED_BENT;
     cli_provenance(call, call->out);
-    rp_table_note(call->out, "runs", "%zu at %zu points, %zu of them without some number, %s", a->n_runs,
+    rp_table_note(call->out, "runs", "%zu at %zu points, %zu of them without some measure, %s", a->n_runs,
                   a->n_points, a->n_failed,
                   !s->quest.fixed_runs ? rp_text(call->arena, "in %zu stages", a->stages)
                   : a->n_repeated > 0  ? rp_text(call->arena, "%zu repeated", a->n_repeated)
-                                      : "none repeated: nothing tells scatter from a form that does not fit");
+                                       : "none repeated, so that scatter cannot be told from lack of fit");
     if (*sweep_words(&s->words, sweep_is_failed, text))
-        rp_table_note(call->out, "failed", "%s: the numbers are of the other runs", text);
+        rp_table_note(call->out, "failed", "%s: the measures are from the other runs", text);
     if (*cut_ends(s, a))
-        rp_table_note(call->out, "range", "%s: only there the runs have all numbers", cut_ends(s, a));
+        rp_table_note(call->out, "range", "%s: only there do the runs have all measures", cut_ends(s, a));
     rp_table_note(call->out, "chi2", "%.3g over %zu", a->chi2, a->dof);
     for (size_t k = 0; k < s->quest.n_numbers; k++) {
         const sweep_measured *m = &s->number[k];
@@ -130,12 +132,12 @@ static void print_answer(const cli_call *call, const sweep_problem *s, const sta
         rp_table_note(call->out, "determined", "%s",
                       a->determined ? rp_text(call->arena, "%s = %.5g +- %.2g",
                                               sweep_problem_combination(s, a), a->sum, a->sum_error)
-                      : bent        ? "not told where the runs bend too much"
-                                    : "not told where the best values lie at an end of their range, or what "
-                                      "agrees bends");
-    rp_table_note(call->out, "left out", "%zu of %zu points are found again by the others", a->recovered,
+                      : bent        ? "unknown, because the runs bend too much"
+                             : "unknown, because the best values lie at an end of their range, or the region "
+                               "that agrees is curved");
+    rp_table_note(call->out, "left out", "%zu of %zu points are recovered from the others", a->recovered,
                   a->tried);
-    rp_table_note(call->out, "holds for", "the experiments that ran, and no other model");
+    rp_table_note(call->out, "holds for", "the experiments that ran, and not for a different model");
     rp_table_header(call->out, call->units, "parameter, value, se, lower, upper, status");
     for (size_t p = 0; p < s->quest.n_names; p++) {
         const size_t n = a->n_intervals[p];
@@ -163,10 +165,12 @@ static rp_status conclude(const sweep_problem *s, const stats_answer *a)
         more = rp_text(s->arena, "; the runs reach %.3g to %.3g, for %g <= %s <= %g", a->reach[0][0],
                        a->reach[0][1], a->lo[0], s->name[0], a->hi[0]);
     if (*cut_ends(s, a))
-        more = rp_text(s->arena, "%s; the runs have all numbers only for %s", more, cut_ends(s, a));
+        more = rp_text(s->arena, "%s; the runs have all measures only for %s", more, cut_ends(s, a));
     if (a->n_next > 0)
-        more = rp_text(s->arena, "%s; %zu of %zu runs, and the next stage needs %zu: --budget gives more",
-                       more, a->n_runs, s->quest.budget, a->n_next);
+        more =
+            rp_text(s->arena,
+                    "%s; %zu of %zu runs are made, and the next stage needs %zu more: give a larger --budget",
+                    more, a->n_runs, s->quest.budget, a->n_next);
     return rp_fail(RP_NO_RESULT, "%s: %s: %s%s", s->name[p], stats_identified_words[status],
                    stats_identified_meanings[status], more);
 }
@@ -261,10 +265,9 @@ static rp_status calibrate(cli_call *call, const void *values)
     calibration c = {.o = o};
     RP_ENDS(sweep_problem_free)
     sweep_problem s = {.arena = call->arena,
-                       .path = text ? "angle.cfg" : cli_data(call->arena, file),
+                       .path = text ? "angle.cfg" : rp_data(call->arena, file),
                        .protocols = sweep_protocols,
                        .command = call->line,
-                       .find = cli_data,
                        .run = run_sweep,
                        .context = &c,
                        .quest.tell = tell};
@@ -279,43 +282,41 @@ static rp_status calibrate(cli_call *call, const void *values)
 
 const cli_command cmd_calibrate = {
     "calibrate",
-    "parameters that give measured numbers, with their intervals",
-    "FILE.cfg [-o DIR] [--budget RUNS] [--dry-run]\n"
-    "--theta-r-deg ANGLE --error-deg SE [options]",
-    "FILE.cfg: find up to three names of experiments (`let`) from several measured numbers. It has fit = { "
-    "NAME = [from, to]; } and measured = ( { experiment, of, value, error } ), where `of` is a column of "
-    "the experiment's sweep, and if wanted fixed = { ... }, model_error, protocol instead of experiment, or "
-    "runs, a table of another program; where = \"CONDITION\" of the names, seed, budget. Each number is "
-    "fitted by a polynomial of the names over the runs of a design, with more terms where the runs bend; "
-    "where that agrees with the measurements, a smaller box gets more runs, until the answer is settled. "
-    "Each stage says what is known. The first one takes 24 runs of each experiment for one name, 40 for "
-    "two, 56 for three. The result grows in DIR.part and becomes DIR when it is whole: answer.tsv, and of "
-    "each stage and experiment a sweep's file, as stage_1_1.cfg, and the table of its runs. After a stop or "
-    "a kill the same command continues; also, with more --budget, after the status budget.\n"
+    "find the parameters that give measured values, with intervals",
+    "--theta-r-deg ANGLE --error-deg SE [options]\n"
+    "FILE.cfg [-o DIR] [--budget RUNS] [--dry-run]",
+    "--theta-r-deg: finds the friction of a box that is opened on one side, whose pile has this angle of "
+    "repose, and with --theta-t-deg also this tilting angle. DIR/angle.cfg is the fit file that it uses; for "
+    "other piles, change a copy of it.\n"
     "\n"
-    "--theta-r-deg: the friction of a box that is opened on one side, whose pile has this angle of repose; "
-    "--theta-t-deg: this tilting angle too. DIR/angle.cfg is the file that says so; for other piles change "
-    "a copy of it.\n"
+    "FILE.cfg: determines up to three `let` variables of experiments from measured values. The file has fit "
+    "= { NAME = [from, to]; } and measured = ( { experiment, of, value, error } ), where `of` is a column of "
+    "the experiment's sweep. It may have fixed = { ... }, model_error, where = \"CONDITION\" on the "
+    "variables, seed and budget, and `protocol` instead of `experiment`, or `runs`, a table of runs of a "
+    "different program. Each measure is fitted by a polynomial in the variables over the runs of a design, "
+    "with more terms if the runs need them. Where the fit agrees with the measured values, a smaller "
+    "parameter region gets more runs, until convergence. The first stage takes 24 runs of each experiment "
+    "for one variable, 40 for two, and 56 for three. Each stage ends with a line that says what is known.\n"
     "\n"
-    "The interval from lower to upper is of 95 %, by profiles of chi2: of the measurement's error, the "
-    "scatter of the runs, and the lack of fit. The header has each number's residual and reach, "
-    "correlations, the combination of the names that is determined best, and how many points of the design "
-    "the others find again. form p is the chance of such a misfit, beyond a tenth of the measurement's "
-    "error, if the polynomial holds. Below 0.01 the runs reject it, and no value is printed. Repeated runs "
-    "tell it.\n"
+    "The result grows in DIR.part, which is renamed to DIR when it is complete. It has answer.tsv, and for "
+    "each stage and experiment a sweep file, such as stage_1_1.cfg, and the table of its runs. After a stop "
+    "or a kill the same command continues; after the status budget it continues with a larger --budget.\n"
+    "\n"
+    "lower to upper is a 95 % profile interval of chi2, covering measurement error, run scatter and lack of "
+    "fit. The header has the residual and the reach of each measure, correlations, the combination of the "
+    "variables that is determined best, and how many design points leave-one-out recovers. `form p` is the "
+    "probability of such a misfit, beyond a tenth of the measurement error, if the polynomial is right. "
+    "Below 0.01 the polynomial is rejected, and no value is printed. p is not known without repeated runs.\n"
     "\n"
     "status is one of\n"
 #define X(name, word, meaning) "  " word ": " meaning "\n"
     STATS_IDENTIFIED_LIST(X)
 #undef X
-        "The exit status is 1 unless the status is ok.\n"
-        "\n"
-        "The answer holds for the experiments that ran. It does not carry over to another model, protocol or "
-        "size.",
+        "The exit status is 1 unless the status is ok. The answer holds for the experiments that ran, and "
+        "not for a different model, protocol or size.",
     "repose calibrate fit.cfg -o found",
     calibrate_params,
-    .refuses = "A folder with a finished result, or with other files: give another one, or --force.\n"
-               "An angle without its standard error; a column that the runs do not have; a name that no "
-               "experiment has.\n"
-               "An answer whose status is not ok: exit status 1.",
+    .refuses = "A folder that holds a finished result or other files: use a different one, or --force.\n"
+               "An angle without its standard error; a column that the runs do not have; a variable that no "
+               "experiment has.",
     .act = calibrate};

@@ -8,9 +8,10 @@
 #define EXPORT_OPTIONS(X)                                                                                    \
     X(CHOICE, to, "", NULL, "csv | json | lammps | vtk | lammps-input", "format")                            \
     X(TEXT, o, "", "-", "", "file to write; - is standard output")                                           \
-    X(TEXT, columns, "", "all", "", "columns (a or a,b,...) of the table, or of the grains")                 \
-    X(BOOL, reduce, "", "false", "", "of a sweep: one row per grid point, as `repose sweep export` has it")  \
-    X(TEXTS, set, "", "", "", "of a scene: KEY=VALUE replaces a key, as in `repose run`")                    \
+    X(TEXT, columns, "", "all", "", "columns (a or a,b,...) of the table or of the grains")                  \
+    X(BOOL, reduce, "", "false", "",                                                                         \
+      "for a sweep: one row per grid point, as in `repose sweep export --reduce`")                           \
+    X(TEXTS, set, "", "", "", "for a scene: KEY=VALUE replaces a key, as in `repose run`")                   \
     CLI_WHERE(X)                                                                                             \
     CLI_FORCE(X)
 
@@ -30,8 +31,8 @@ static rp_status read_source(const cli_call *call, const char *source, const exp
     if (stat(source, &info) == 0 && S_ISDIR(info.st_mode) && !sweep && !run)
         return rp_fail(RP_BAD_INPUT, "%s: neither a run (states.tsv) nor a sweep (sweep.cfg)", source);
     if (!sweep && !run && rp_ends_in(source, ".cfg"))
-        return rp_fail(RP_USAGE, "%s: a scene is exported by --to lammps-input; repose run makes its tables",
-                       source);
+        return rp_fail(RP_USAGE,
+                       "%s: a scene is exported with --to lammps-input; repose run makes its tables", source);
     const unsigned what = SWEEP_PARAMETERS | (o->reduce ? SWEEP_POINTS : SWEEP_RUNS);
     RP_TRY(sweep ? cli_sweep_table(call, source, what, table, counts)
                  : rp_table_load(call->arena, run ? rp_text(call->arena, "%s/states.tsv", source) : source,
@@ -61,7 +62,7 @@ static rp_status export_grains(const cli_call *call, const char *source, const e
     export_run run;
     sweep_counts none;
     if (rp_is_in(source, "sweep.cfg"))
-        return rp_fail(RP_USAGE, "%s is a sweep, which has no grains; csv and json export it", source);
+        return rp_fail(RP_USAGE, "%s is a sweep, which has no grains; use --to csv or --to json", source);
     RP_TRY(read_source(call, source, o, &table, &none));
     RP_TRY(export_run_read(call->arena, source, table, o->columns, &run));
     run.replace = o->force;
@@ -71,7 +72,7 @@ static rp_status export_grains(const cli_call *call, const char *source, const e
 static rp_status act_export(cli_call *call, const void *values)
 {
     const export_options *o = values;
-    const char *source = cli_data(call->arena, cli_argument(call, 0));
+    const char *source = rp_data(call->arena, cli_argument(call, 0));
     if (o->set.n > 0 && o->to != TO_LAMMPS_INPUT) return rp_fail(RP_USAGE, "--set needs --to lammps-input");
     if (o->to <= TO_JSON) return export_table(call, source, o);
     if (o->to < TO_LAMMPS_INPUT) return export_grains(call, source, o);
@@ -82,27 +83,36 @@ static rp_status act_export(cli_call *call, const void *values)
 
 const cli_command cmd_export = {
     "export",
-    "runs, tables and sweeps for other programs",
+    "convert runs, tables and sweeps for other programs",
     "SOURCE --to FORMAT [-o FILE] [options]",
     "SOURCE is the folder of a run (`repose run -o`), a table (- for standard input), the folder of a sweep, "
-    "or "
-    "a scene.\n"
+    "or a scene file.\n"
     "\n"
-    "csv, json: a table; of a run its states.tsv; of a sweep its runs, with all parameters as columns. CSV "
-    "starts with the names of the columns. JSON is { notes, units, rows: [{column: value}] }; nan is null. "
-    "lammps: LAMMPS dump of the grains, a frame for each step, and beside FILE.lammpstrj the contacts as "
-    "FILE.contacts.lammpstrj, a dump local. Names are those of LAMMPS: radius, mass, vx vy vz, omegaz. vtk: "
-    "FILE.pvd for ParaView: grains as points, contacts "
-    "and walls as lines, VTP files in FILE_frames. These two take a table of grains (x, y, r) too, with "
-    "the contacts and walls beside X_grains.tsv. Lengths, times and masses keep the units of the source; z "
-    "is 0.\n"
+    "csv, json: a table, which for a run is its states.tsv, and for a sweep its runs with all parameters as "
+    "columns. CSV starts with the names of the columns. JSON is { notes, units, rows: [{column: value}] }, "
+    "with null for nan.\n"
     "\n"
-    "lammps-input: FILE.in and FILE.data, the same scene for LAMMPS. A key whose law LAMMPS does not have is "
-    "refused; the head of FILE.in says which laws coincide.",
+    "lammps: a LAMMPS dump of the grains with a frame for each step, and a dump local of the contacts in "
+    "FILE.contacts.lammpstrj. Columns have the names of LAMMPS: radius, mass, vx vy vz, omegaz. vtk: "
+    "FILE.pvd for ParaView, with grains as points, contacts and walls as lines, in VTP files in FILE_frames. "
+    "Both formats can also be made of a table of grains (x, y, r); if it is X_grains.tsv, the contacts and "
+    "walls beside it are included. Lengths, times and masses keep the units of the source; z is 0.\n"
+    "\n"
+    "lammps-input: the scene as FILE.in and FILE.data for LAMMPS. The head of FILE.in says which laws "
+    "coincide. LAMMPS supports these keys; any other setting is refused.\n"
+    "  normal.law      linear, elastic; hertz with at most 24 different radii, as\n"
+    "                  each radius is a type\n"
+    "  normal.tension  false; true without friction\n"
+    "  tangential.law  none, slip_roll; spring and mindlin with slip = \"truncated\"\n"
+    "                  and damping = \"inside\"\n"
+    "  walls           infinite lines at rest, at any angle\n"
+    "  grains          fixed or not, with or without rotation\n"
+    "  integrator      verlet\n"
+    "  none of         rolling, ground, hard, x_min, x_max, y_min, phases, turning\n"
+    "                  gravity, turning box",
     "repose export out --to lammps -o pile.lammpstrj",
     export_params,
-    .refuses =
-        "Grains of a sweep, which has none: csv and json take it. --reduce without a sweep.\n"
-        "For lammps-input: a scene with a law or key that LAMMPS lacks; --columns, --where and --reduce.\n"
-        "--set with any other format.",
+    .refuses = "Grains of a sweep, which has none: use csv or json. --reduce without a sweep.\n"
+               "For lammps-input: a key that LAMMPS does not support; --columns, --where and --reduce.\n"
+               "--set with any other format.",
     .act = act_export};

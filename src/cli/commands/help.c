@@ -8,8 +8,8 @@
 #include "sweeps/engine/experiment.h"
 
 #define HELP_OPTIONS(X)                                                                                      \
-    X(BOOL, markdown, "", "false", "", "print the manual of all commands and keys as Markdown of pandoc")    \
-    X(BOOL, completion, "", "false", "", "print the completion of bash")
+    X(BOOL, markdown, "", "false", "", "print the manual of all commands and keys in pandoc's Markdown")     \
+    X(BOOL, completion, "", "false", "", "print the completion for bash")
 
 CLI_OPTIONS(help, HELP_OPTIONS)
 
@@ -193,11 +193,14 @@ static void print_completion(const cli_call *call)
 
 /* ---- help ---- */
 
-/* Help of the command that the arguments name, word by word. */
+/* Help of the command that the arguments name, word by word; or what the summary of this one names. */
 static rp_status help_on(cli_call call)
 {
     const cli_command *found = NULL;
     char option[] = "--help";
+    if (strcmp(*call.arguments, "manual") == 0 && !call.arguments[1]) return print_manual(&call);
+    if (strcmp(*call.arguments, "completion") == 0 && !call.arguments[1])
+        return print_completion(&call), RP_OK;
     for (char *const *word = call.arguments; *word; word++) {
         const cli_command *const *among = found ? found->group : call.program->commands,
                                  *next = among ? cli_find(among, *word) : NULL;
@@ -220,12 +223,12 @@ static rp_status act_help(cli_call *call, const void *values)
 
 const cli_command cmd_help = {
     "help",
-    "help on a command; manual, completion of the shell",
+    "print the help of a command; --markdown: the manual; --completion: for bash",
     "[COMMAND...] [--markdown | --completion]",
-    "Prints the help of a command, or without one the list of commands and where the program's own files are "
-    "looked for. --markdown prints the manual of all commands, keys of scene files, and parameters and "
-    "outputs of protocols; pandoc makes a manual page or a web page of it. --completion prints the "
-    "completion of bash, to be read by `source`; `make install` installs it.",
+    "Prints the help of a command. Without a command, it prints the list of commands, and where the program "
+    "looks for its own files. --markdown prints the manual of all commands, keys of scene files, and "
+    "parameters and outputs of protocols; pandoc makes a manual page or a web page of it. --completion "
+    "prints the completion for bash, which `source` reads; `make install` installs it.",
     "repose help sweep plan",
     help_params,
     .refuses = "A name that is no command; the message names the nearest one.",

@@ -14,7 +14,7 @@
     CLI_WORKERS(X)                                                                                           \
     CLI_LIMITS(X)                                                                                            \
     X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
-    X(BOOL, study, "", "false", "", "runs per grid point: the number `study` of the file")                   \
+    X(BOOL, study, "", "false", "", "make as many runs per grid point as `study` in the file says")          \
     CLI_QUIET(X)                                                                                             \
     CLI_FORCE(X)
 
@@ -260,7 +260,7 @@ static rp_status plan_runs(const making *m, sweep_counts *counts)
     const make_options *o = m->o;
     const size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? m->recipe.study : 0;
     RP_TRY(cli_claim_sweep(o->o, m->file, o->force));
-    return sweep_prepare(m->file, o->o, replicas, sweep_protocols, counts);
+    return cli_sweep_plan(m->file, o->o, replicas, o->quiet, counts);
 }
 
 static rp_status make_runs(const making *m)
@@ -343,7 +343,7 @@ static rp_status make_step(const making *m, const step *s)
     RP_TRY(rp_file_open(path, true, &out));
     rp_status status = cli_act_into(&call, table, out);
     if (status == RP_NO_RESULT && ftell(out) > 0) {
-        fprintf(stderr, "repose sweep: %s: %s\n", s->table, rp_message());
+        cli_say("repose sweep: %s: %s", s->table, rp_message());
         status = RP_OK;
     }
     status = rp_file_close(path, out, rp_prefix(status, "%s: ", s->table));
@@ -363,7 +363,7 @@ static rp_status check_steps(const making *m, size_t n_runs)
 static rp_status act_make(cli_call *call, const void *values)
 {
     making m = {
-        .call = call, .o = values, .file = cli_data(call->arena, cli_argument(call, 0)), .end = &m.first};
+        .call = call, .o = values, .file = rp_data(call->arena, cli_argument(call, 0)), .end = &m.first};
     rp_status status = sweep_recipe_read(m.file, &m.recipe);
     if (!status) status = read_list(&m, "trace", read_trace);
     if (!status) status = read_list(&m, "derive", read_derive);
@@ -383,27 +383,28 @@ static rp_status act_make(cli_call *call, const void *values)
 
 const cli_command cmd_sweep_make = {
     "sweep make",
-    "plan, run, and write all tables of the sweep file",
+    "plan and make the runs, and write all tables of the sweep file",
     "FILE -o DIR [--tables DIR] [-j N] [--mem MB] [--time S] [--replicas N | --study] [--quiet] [--force]",
-    "Plan a sweep, make its missing runs, and write its tables: runs.tsv, points.tsv, one row per grid "
-    "point, and those that settings of the file ask for. All are checked before the first run.\n"
+    "Plans a sweep, makes its missing runs, and writes its tables: runs.tsv, points.tsv with one row for "
+    "each grid point, and the tables that these settings of the file ask for. All settings are checked "
+    "before the first run.\n"
     "\n"
     "  study  = 60;                                   # runs per grid point with --study\n"
     "  derive = ( { table = \"a\"; with = \"compare\"; },   # of the runs, by repose angle compare\n"
     "             { table = \"line\"; with = \"fit\"; rows = \"points\"; x = \"mu\"; y = "
     "\"theta_r3_deg_mean\"; } );\n"
-    "  trace  = ( { rows = [0, 10]; every = 100; } ); # runs again, as repose run FILE --row 0: row_0.tsv, "
+    "  trace  = ( { rows = [0, 10]; every = 100; } ); # as repose run FILE --row 0: row_0.tsv and folder "
     "row_0\n"
     "  model  = ( { table = \"30\"; with = \"continuum\"; alpha_deg = 30.0; } );\n"
     "\n"
-    "with: a command of repose stats, stress or angle that reads a table, for a model pile, tent, continuum "
-    "or lattice (folder = true: the tables of a pile too). rows: runs, points, or an earlier table; where = "
-    "[\"mu=0.2\", \"eps<1e-5\"]: as --where. of = [\"a\", \"b\"]: the runs of these sweeps, made before, "
-    "whose folders lie beside DIR. stage = \"pile\": for field and base, the piles of the traces at this "
-    "stage. A file without a protocol has models alone.",
+    "with is a command of repose stats, stress or angle that reads a table; for a model it is pile, tent, "
+    "continuum or lattice (folder = true writes the tables of a pile too). rows is runs, points, or an "
+    "earlier table. where = [\"mu=0.2\", \"eps<1e-5\"] works as --where does. of = [\"a\", \"b\"] takes the "
+    "runs of these sweeps, which were made before and whose folders lie beside DIR. stage = \"pile\" gives "
+    "field and base the piles of the traces at this stage. A file without a protocol may have only models.",
     "repose sweep make sweeps/li/tent.cfg -o build/sweeps/tent",
     make_params,
-    .refuses =
-        "What `repose sweep plan` and `repose sweep run` refuse; an unknown key, command or column of a\n"
-        "setting, before any run. A folder of a trace or a pile that holds something else.",
+    .refuses = "All that `repose sweep plan` and `repose sweep run` refuse; an unknown key, command or "
+               "column of a setting, before any run.\n"
+               "A folder of a trace or a pile that holds something else.",
     .act = act_make};

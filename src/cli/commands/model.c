@@ -63,18 +63,18 @@ static rp_status write_pile(cli_call *call, const void *values)
 
 const cli_command cmd_lattice = {
     "lattice",
-    "forces on the base of a close-packed pile, lattice model (37)-(44)",
+    "forces on the base of a close-packed pile, by the lattice model of Liffman et al. 1992",
     "(--layers K | --base K --alpha-deg ANGLE) [--theta-deg ANGLE] [--method closed|recursion]",
     "Forces of a pile of equal disks on its base. Only contacts along the diagonals of the lattice carry "
     "force. Equations (37)-(44) of Liffman, Chan & Hughes 1992 give the full triangle; the same force "
     "balance gives piles with slopes cut out of the lattice. Row i = 1..K is base disk i from the left. N is "
     "the normal force of the ground. H is the horizontal force of the pile on the ground, positive to the "
-    "right. The columns in chi g B (chi = m/sigma) compare with `repose continuum`; B is the base of the "
-    "triangle of equal weight.",
+    "right. The columns in chi g B (chi = m/sigma) can be compared with `repose continuum`; B is the base of "
+    "the triangle of equal weight.",
     "repose lattice --base 45 --alpha-deg 30",
     lattice_params,
     .refuses = "--layers together with --base, and --base without --alpha-deg.\n"
-               "More than 10000 disks in the base by recursion: take the closed form.",
+               "More than 10000 disks in the base with recursion: use the closed form.",
     .act = write_pile};
 
 /* ---- positions ---- */
@@ -130,12 +130,12 @@ static rp_status write_triangle(cli_call *call, const void *values)
 
 const cli_command cmd_continuum = {
     "continuum",
-    "forces on the base of a triangular pile, continuum model (49)-(59)",
+    "forces on the base of a triangular pile, by the continuum model of Liffman et al. 1992",
     "--alpha-deg ANGLE [--points N | --at X,X,...]",
-    "Forces of a triangular pile on its base, continuum model (49)-(59) of Liffman, Chan & Hughes 1992. x is "
-    "a fraction of the base B. N is the normal force of the ground. H is the horizontal force of the pile on "
-    "the ground, positive to the right. The unit of both is chi g B, where chi is the mass per length of a "
-    "diagonal.",
+    "Forces of a triangular pile on its base, by the continuum model (49)-(59) of Liffman, Chan & Hughes "
+    "1992. x is a fraction of the base B. N is the normal force of the ground. H is the horizontal force of "
+    "the pile on the ground, positive to the right. The unit of both is chi g B, where chi is the mass per "
+    "length of a diagonal.",
     "repose continuum --alpha-deg 30 --at 0.1,0.25",
     continuum_params,
     .refuses = "--points together with --at; a position outside [0, 1].",
@@ -178,12 +178,13 @@ static rp_status write_tent(cli_call *call, const void *values)
 
 const cli_command cmd_tent = {
     "tent",
-    "forces on the base of a tent-shaped pile",
+    "forces on the base of a tent-shaped pile, by the continuum model",
     "--outer-deg ANGLE --inner-deg ANGLE --x1 X [--points N | --at X,X,...]",
-    "Outline of a symmetric pile with two slopes, and its forces on the base: the tents of Figs. 18 and 19 "
-    "of Liffman, Chan & Hughes 1992. x and y are fractions of the base B. N is the normal force of the "
-    "ground. H is the horizontal force of the pile on the ground, positive to the right. The unit of both is "
-    "chi g B, where chi is the mass per length of a diagonal. The dip is (max N - N in the middle)/max N.",
+    "Outline of a symmetric pile with two slopes on each side, and its forces on the base: the tents of "
+    "Figs. 18 and 19 of Liffman, Chan & Hughes 1992. x and y are fractions of the base B. N is the normal "
+    "force of the ground. H is the horizontal force of the pile on the ground, positive to the right. The "
+    "unit of both is chi g B, where chi is the mass per length of a diagonal. The dip is (max N - N in the "
+    "middle)/max N.",
     "repose tent --outer-deg 30 --inner-deg 45 --x1 0.38",
     tent_params,
     .refuses = "--points together with --at; a position outside [0, 1].",

@@ -150,7 +150,7 @@ static rp_status print_all(cli_call *call, const void *values)
     const params_options *o = values;
     const char *name = cli_argument(call, 0);
     bool found = false;
-    if (name && rp_ends_in(name, ".cfg")) return file_rows(call, cli_data(call->arena, name));
+    if (name && rp_ends_in(name, ".cfg")) return file_rows(call, rp_data(call->arena, name));
     call->units = (rp_units)o->units;
     for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
         if (name && strcmp(name, (*p)->name) != 0) continue;
@@ -179,13 +179,25 @@ static rp_status print_all(cli_call *call, const void *values)
 
 const cli_command cmd_params = {
     "params",
-    "every parameter of a protocol or scene file, with unit, default and range",
+    "list all parameters of a protocol or scene file, with unit, default and range",
     "[PROTOCOL | scene | experiment | FILE.cfg] [--units WORD]",
-    "Prints the parameters of a sweep's protocol with unit, type, default, range and meaning, and the "
-    "protocol's outputs. `scene` prints the keys of a scene file, and what each word of a choice stands for; "
-    "`experiment` those of phases and measures, and what expressions may ask for. FILE.cfg: the names that "
-    "this file gives, with values, units and ranges, and the columns that it measures. Without an argument, "
-    "everything is printed.",
+    "PROTOCOL: prints the parameters of a sweep's protocol with unit, type, default, range and meaning, and "
+    "the outputs of the protocol. scene: the keys of a scene file, and the meaning of each option value. "
+    "experiment: the keys of phases and measures, and what expressions may contain. FILE.cfg: the `let` "
+    "variables of this file with values, units and ranges, and the columns that it measures. Without an "
+    "argument, everything is printed.\n"
+    "\n"
+    "Columns of the tables of a run, which are in the laboratory frame:\n"
+    "  states.tsv    step, t (s), id, x, y (cm), angle (rad), vx, vy (cm/s),\n"
+    "                omega (rad/s), net force fx, fy (dyn), r (cm), m (g), number of\n"
+    "                contacts, whether the grain is fixed\n"
+    "  contacts.tsv  shear_force acts on the second body, along the centre line from\n"
+    "                the first, turned 90 degrees clockwise; shear_spring has the\n"
+    "                opposite sign. rolling_torque acts on the first body;\n"
+    "                rolling_spring is the displacement at r_i r_j/(r_i + r_j)\n"
+    "  walls.tsv     a wall is a line through x, y with the unit normal direction_x,\n"
+    "                direction_y. Its ends `from` and `to` lie along the normal\n"
+    "                turned 90 degrees clockwise, and are equal once it is open",
     "repose params repose",
     params_params,
     .refuses = "A name that is no protocol; the message names the nearest one.",

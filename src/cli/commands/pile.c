@@ -8,9 +8,10 @@
 #include "sweeps/protocols/pile.h"
 
 #define OWN_OPTIONS(X)                                                                                       \
-    X(INT, seed, "", "1", "[0, 2147483647]", "of the z of --disorder")                                       \
+    X(INT, seed, "", "1", "[0, 2147483647]", "seed of the z of --disorder")                                  \
     X(BOOL, summary, "", "false", "",                                                                        \
-      "one row for the pile, not one a base disk: parameters and results of protocol `pile`")                \
+      "print one row for the pile instead of one for each base disk, with parameters and results of "        \
+      "protocol `pile`")                                                                                     \
     X(TEXT, o, "", "", "",                                                                                   \
       "folder for base.tsv, wells.tsv, contacts.tsv and disks.tsv, the last three also without an "          \
       "equilibrium")                                                                                         \
@@ -56,7 +57,7 @@ static rp_status check_idle(const cli_call *call, const options *o)
                 {"seed", !(p->disorder > 0), "it needs --disorder"}};
     for (size_t i = 0; i < N_OF(idle); i++)
         if (idle[i].idle && cli_given(call, idle[i].option))
-            return rp_fail(RP_USAGE, "--%s would do nothing: %s; see repose pile --help", idle[i].option,
+            return rp_fail(RP_USAGE, "--%s has no effect: %s; see repose pile --help", idle[i].option,
                            idle[i].why);
     return RP_OK;
 }
@@ -96,7 +97,7 @@ static rp_status solve(const cli_call *call, const options *o, sweep_outline *h)
     rp_status status = sweep_pile_solve(&o->pile, h, watched ? draw : NULL, &start, &s, &results);
     if (watched) fputs("\r\033[K", stderr);
     if (!status && s.r.negative_modes) /* no failure: the primary state is what was asked for */
-        fprintf(stderr, "repose pile: unstable: %zu negative mode%s; --branch minimum seeks a stable state\n",
+        cli_say("repose pile: unstable: %zu negative mode%s; --branch minimum seeks a stable state",
                 s.r.negative_modes, s.r.negative_modes == 1 ? "" : "s");
     if (!status || status == RP_NO_RESULT) {
         cli_table(call, call->out);
@@ -130,30 +131,34 @@ static rp_status solve_any(cli_call *call, const void *values)
 
 const cli_command cmd_pile = {
     "pile",
-    "static equilibrium of a close-packed pile of soft disks",
+    "find the static equilibrium of a close-packed pile of soft disks",
     "[--base K] [--alpha-deg A [--inner-deg A --x-1 X]] [--eps E] [--k-x K | --well A [--mu MU]] "
     "[--branch primary|minimum [--leave N]] [--disorder S [--seed N]] [--summary | --threshold] "
     "[-o DIR [--force]]",
     "Static equilibrium of soft frictionless disks, close-packed on a flat base: the computer model of "
     "Liffman, Chan & Hughes 1992 at rest. Row i is base disk i from the left. N is the normal force of the "
-    "ground on the disk, H the horizontal force of the disk on the ground, positive to the right. Further "
-    "columns: N and H of diagonal contacts alone, the exact limit of hard disks in which no contact within a "
-    "row closes; N and H in chi g B, as in `repose continuum`. negative_modes in the header counts the "
-    "unstable directions. An unstable primary state is a result all the same: exit status 0, with a note on "
-    "standard error.\n"
+    "ground on the disk, and H the horizontal force of the disk on the ground, positive to the right. "
+    "Further columns have N and H of diagonal contacts alone, which is the exact limit of hard disks in "
+    "which no contact within a row closes, and N and H in chi g B, as in `repose continuum`. negative_modes "
+    "in the header counts the unstable directions. An unstable primary state is also a result: the exit "
+    "status is 0, with a note on standard error.\n"
     "\n"
-    "Without an equilibrium: exit status 1, a message that names disks and wells, and one of these statuses. "
-    "The tables of -o then hold the last state of the solver.\n"
+    "A well is the elastic range of static friction under a disk of the base, about its position x_0.\n"
+    "\n"
+    "Without an equilibrium the exit status is 1, and a message names disks, wells and one of these "
+    "statuses. The tables of -o then hold the last state of the solver.\n"
     "  spreads        wells broke, and neighbours slid apart\n"
-    "  collapses      neighbours slid apart although no well broke: toppled, or disks or springs too soft\n"
-    "  creeps         with --set-again: wells are set anew without end\n"
-    "  meets          disks overlap that were no neighbours\n"
+    "  collapses      neighbours slid apart although no well broke: the pile toppled,\n"
+    "                 or disks or springs are too soft\n"
+    "  creeps         with --set-again: wells are set again without end\n"
+    "  meets          disks overlap that were not neighbours\n"
     "  not_converged  the solver did not converge\n"
-    "  singular       an equilibrium in which a disk can move freely, or none found for such a disk",
+    "  singular       a disk can move freely in the equilibrium, or no equilibrium\n"
+    "                 was found for such a disk",
     "repose pile --alpha-deg 30 --base 45",
     own_params,
-    .refuses = "An option that would do nothing beside the others; the message says which it needs.\n"
-               "A folder with a finished result: give another one, or --force.\n"
+    .refuses = "An option that has no effect with the others; the message says which one it needs.\n"
+               "A folder that holds a finished result: use a different one, or --force.\n"
                "--threshold with --branch, -o or eps = 0.",
     .act = solve_any,
     .protocol = sweep_pile_schema,

@@ -14,13 +14,13 @@
     X(TEXTS, set, "", "", "",                                                                                \
       "KEY=VALUE, GROUP.KEY=VALUE or walls[0].KEY=VALUE replaces a key; may be repeated")                    \
     X(INT, every, "steps", "auto", "[1, 2147483647] | auto",                                                 \
-      "interval of the frames (of a sweep's run: energies) written; auto: the last, and the ends of phases " \
+      "interval between frames (sweep run: between energies); auto: last frame and ends of phases "          \
       "(energies: 100)")                                                                                     \
     X(TEXT, o, "", "", "", "folder for tables, instead of standard output")                                  \
     X(BOOL, ledger, "", "false", "",                                                                         \
-      "add the terms of the energy ledger to the energies; as `ledger = true` in a scene")                   \
+      "add the terms of the energy ledger to the energies, as `ledger = true` in a scene file does")         \
     X(INT, j, "", "1", "[1, 256]",                                                                           \
-      "threads of one scene of some 16000 grains or more; the bits are the same for any number")             \
+      "threads, for scenes of some 16000 grains or more; results are bitwise identical for any number")      \
     X(INT, row, "", "0", "[0, 2147483647]", "number of the sweep's run, from 0")                             \
     CLI_FORCE(X)                                                                                             \
     CLI_QUIET(X)
@@ -96,11 +96,10 @@ static rp_status read_scene(a_run *r)
     RP_TRY(exp_read(&r->text, &r->plan));
     RP_TRY(exp_check(r->plan));
     const dem_scene *scene = exp_scene(r->plan);
-    if (*scene->unused) fprintf(stderr, "repose run: particles_file: not used:%s\n", scene->unused);
+    if (*scene->unused) cli_say("repose run: particles_file: columns that are not used:%s", scene->unused);
     const double g = rp_hypot(scene->def.gravity[0], scene->def.gravity[1]);
     if (scene->def.units == RP_CGS && g > 9.7 && g < 9.9) /* that of SI */
-        fprintf(stderr,
-                "repose: warning: %s: g = %g among values in cm, g and s; give units = \"si\", or g = %g\n",
+        cli_say("repose: warning: %s: g = %g among values in cm, g and s; give units = \"si\", or g = %g",
                 r->path, g, 100.0 * g);
     const long own[] = {scene->output.states, scene->output.energy, scene->output.contacts,
                         scene->output.walls},
@@ -109,18 +108,18 @@ static rp_status read_scene(a_run *r)
     r->of.call.units = scene->def.units;
     r->seed = (unsigned long)scene->seed, r->stream = (unsigned long)scene->run;
     if (r->plain || every <= 0 || *r->o->o) return RP_OK;
-    return rp_fail(RP_USAGE,
-                   "--every needs -o DIR; %s has phases, and standard output holds what they measure",
-                   r->path);
+    return rp_fail(
+        RP_USAGE, "--every needs -o DIR; %s has phases, and standard output gets only the measures", r->path);
 }
 
 static rp_status read_row(a_run *r)
 {
     if (!*r->o->o)
-        return rp_fail(RP_USAGE,
-                       "%s is a sweep file; repose run %s --row N -o DIR makes one of its runs, with tables; "
-                       "repose sweep make %s -o DIR makes all",
-                       r->path, r->path, r->path);
+        return rp_fail(
+            RP_USAGE,
+            "%s is a sweep file; repose run %s --row N -o DIR repeats one of its runs, with tables; "
+            "repose sweep make %s -o DIR makes all",
+            r->path, r->path, r->path);
     RP_TRY(sweep_read_again(r->path, sweep_protocols, (size_t)r->o->row, r->of.call.arena, &r->row));
     r->every[RUN_ENERGY] = r->o->every > 0 ? r->o->every : 100;
     r->of.call.units = r->row.protocol->units;
@@ -146,17 +145,26 @@ static rp_status start(a_run *r)
 {
     const dem_scene *scene = exp_scene(r->plan);
     dem_counts now;
+    dem_state falling;
     if (r->o->ledger) exp_with_ledger(r->plan);
     RP_TRY(run_start(r->plan, r->seed, r->stream, &r->driver));
     const exp_run *run = r->driver.run;
     if (!exp_sim(run)) return r->row.protocol ? RP_OK : rp_fail(RP_NO_RESULT, "%s", exp_ended(run)->message);
     dem_count_work(exp_sim(run), &now);
     if (exp_is_cut(run))
-        r->of.start = "walls cut the region; grains lie in its largest part alone";
+        r->of.start = "walls divide the region; only its largest part has grains";
     else if (*scene->particles_file && now.contacts > 0 && !scene->def.n_contacts &&
              dem_has_spring(scene->def.tangential))
-        r->of.start = "grains touch, and their shear springs begin at 0; a bed at rest needs contacts_file";
-    if (r->of.start && !r->o->quiet) fprintf(stderr, "repose run: %s: %s\n", r->path, r->of.start);
+        r->of.start =
+            "grains touch, and their tangential springs begin at 0; a bed at rest needs contacts_file";
+    RP_TRY(dem_first_falling(scene, exp_sim(run), &falling));
+    if (falling.id)
+        r->of.start = rp_text(
+            r->of.call.arena,
+            "grain %u at x = %g, y = %g falls for ever: no wall or fixed grain is below it, and no "
+            "x_min, x_max or y_min removes it%s%s",
+            falling.id, falling.x, falling.y, r->of.start ? "; " : "", r->of.start ? r->of.start : "");
+    if (r->of.start && !r->o->quiet) cli_say("repose run: %s: %s", r->path, r->of.start);
     r->driver.threads = (size_t)r->o->j;
     if (r->plain) cli_looks_scene(&r->looks, scene, exp_sim(run));
     return RP_OK;
@@ -188,7 +196,7 @@ static rp_status open_result(a_run *r)
     if (!r->plan) return RP_OK;
     RP_TRY(run_open(&r->driver, &to, &resumed));
     if (resumed && !r->o->quiet)
-        fprintf(stderr, "repose run: %s: continues from step %ld\n", directory, exp_steps(r->driver.run));
+        cli_say("repose run: %s: continues from step %ld", directory, exp_steps(r->driver.run));
     return RP_OK;
 }
 
@@ -221,6 +229,7 @@ static void print_measures(const a_run *r)
 /* The closing line of a run that measures. A word other than ok is no result. */
 static rp_status close_measures(const a_run *r)
 {
+    rp_arena *arena = r->of.call.arena;
     const char *directory = r->o->o, *word = r->result.status, *message = r->result.message;
     size_t n = 0;
     if (!r->row.protocol)
@@ -229,14 +238,15 @@ static rp_status close_measures(const a_run *r)
         return rp_fail(RP_NO_RESULT, "%s: %s%s%s", word, message, *directory ? "; tables in " : "",
                        directory);
     if (r->o->quiet) return RP_OK;
-    fprintf(stderr, "repose run: %s", word);
     if (r->plan)
-        fprintf(stderr, ", %ld steps, t = %.5g", exp_steps(r->driver.run), dem_time(exp_sim(r->driver.run)));
+        word = rp_text(arena, "%s, %ld steps, t = %.5g", word, exp_steps(r->driver.run),
+                       dem_time(exp_sim(r->driver.run)));
     const exp_output *of = r->plan ? exp_outputs(r->plan, &n) : NULL;
     for (size_t k = 0; k < n; k++)
         if (strcmp(of[k].name, "theta_r3_deg") == 0 && !isnan(exp_values(r->driver.run)[k]))
-            fprintf(stderr, ", theta_R = %.1f degrees (method 3)", exp_values(r->driver.run)[k]);
-    cli_close_line(directory, "measures");
+            word =
+                rp_text(arena, "%s, theta_R = %.1f degrees (method 3)", word, exp_values(r->driver.run)[k]);
+    cli_close_line(word, directory, "measures");
     return RP_OK;
 }
 
@@ -276,7 +286,7 @@ static rp_status is_sweep(const char *path, bool *sweep)
     if (!status && !*sweep && config_lookup(&config, "model"))
         status =
             rp_fail(RP_BAD_INPUT,
-                    "%s is a sweep file of models alone; repose sweep make %s -o DIR writes their tables",
+                    "%s is a sweep file with models only; repose sweep make %s -o DIR writes their tables",
                     path, path);
     config_destroy(&config);
     return status;
@@ -285,7 +295,7 @@ static rp_status is_sweep(const char *path, bool *sweep)
 static rp_status run_any(cli_call *call, const void *values)
 {
     const run_options *o = values;
-    const char *path = cli_data(call->arena, cli_argument(call, 0));
+    const char *path = rp_data(call->arena, cli_argument(call, 0));
     RP_ENDS(free_run)
     a_run r = {.o = o,
                .path = path,
@@ -309,33 +319,33 @@ static rp_status run_any(cli_call *call, const void *values)
 
 const cli_command cmd_run = {
     "run",
-    "simulate any scene, described in a file",
+    "simulate the scene in a file",
     "SCENE.cfg [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR [--force]]\n"
     "SWEEP.cfg [--row N] -o DIR [--every N] [--ledger] [--force]",
-    "A file that the current folder lacks, as examples/pile.cfg, is read from the program's own files: "
-    "PREFIX/share/repose where it is installed.\n"
+    "SCENE.cfg: simulates the scene; `repose params scene` lists the keys of the file. Without -o the states "
+    "of the grains are printed, or the measures of an experiment (a scene with phases). With -o, the folder "
+    "DIR gets states.tsv, contacts.tsv, walls.tsv and energy.tsv, with rows for every frame, and for an "
+    "experiment also phases.tsv and measures.tsv. `repose params --help` explains the columns.\n"
     "\n"
-    "SCENE.cfg: simulate the scene and print the state of each grain: step, t (s), id, x, y (cm), angle "
-    "(rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts, fixed. With -o, "
-    "the folder gets the tables states.tsv, contacts.tsv, walls.tsv and energy.tsv, with rows of every "
-    "frame. A wall is a line through x, y with the unit normal direction_x, direction_y, between the ends "
-    "`from` and `to` along the normal turned clockwise; an open wall has equal ends. In contacts.tsv, "
-    "shear_force acts on the second body, along the way from the first turned clockwise, shear_spring has "
-    "the other sign; rolling_torque acts on the first, rolling_spring is at the arm r_i r_j/(r_i + r_j). "
-    "`repose params scene` lists the keys of a scene file. The result grows in DIR.part and becomes DIR "
-    "when it is whole; a finished one is replaced with --force alone. After a stop, a kill or a power cut "
-    "the same command continues from the last snapshot, one a minute, and ends with the files of an "
-    "undisturbed run. The run ends with one line on standard error: grains, steps, at rest or not (a mean "
-    "kinetic energy below 1e-7 m g d, and forces that balance to 1e-2 m g, by ten looks in the last 5000 "
-    "steps), and theta_R by method 3 where the surface at rest falls to one side by all three methods. The "
-    "slope is measured from the standing wall to the opened one, or over the whole pile if no wall opens.\n"
+    "The result grows in DIR.part, which is renamed to DIR when it is complete. After a stop, a kill or a "
+    "power cut, the same command continues from the last snapshot (there is one a minute), and ends with the "
+    "same files as an undisturbed run.\n"
     "\n"
-    "SWEEP.cfg (a file with the key `protocol`): repeat one run of the sweep and print its results. The "
-    "folder gets the tables of this run. Of a text: grains, contacts and walls at the end of each phase, "
-    "phases.tsv, energies, and a file scene.cfg that `repose run` repeats bit for bit. For a static pile: "
-    "disks, contacts, wells and the forces on the base.",
+    "The run ends with one line on standard error: the number of grains and steps, whether the grains are at "
+    "rest, and theta_R by method 3 if the surface at rest falls to one side by all three methods. The slope "
+    "is measured from the standing wall to the opened one, or over the whole pile if no wall opens. Grains "
+    "are at rest if their mean kinetic energy is below 1e-7 m g d and the net force on each is below 1e-2 m "
+    "g, at ten checks in the last 5000 steps.\n"
+    "\n"
+    "SWEEP.cfg, a file with the key `protocol`: repeats one run of the sweep with its tables, and prints its "
+    "results. For a protocol with phases, the folder gets the grains, contacts and walls at the end of each "
+    "phase, phases.tsv, energies, and a file scene.cfg that gives bitwise identical results with `repose "
+    "run`. For a static pile, it gets the disks, contacts, wells and the forces on the base.\n"
+    "\n"
+    "A file that is not in the current folder, such as examples/pile.cfg, is read from the program's own "
+    "files (PREFIX/share/repose where it is installed).",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
     run_params,
-    .refuses = "A folder with a finished result, or with other files: give another one, or --force.\n"
+    .refuses = "A folder that holds a finished result or other files: use a different one, or --force.\n"
                "--row with a scene; --set and -j with a sweep.",
     .act = run_any};

@@ -40,8 +40,8 @@ static const cli_command select_rows = {
     "stats select",
     "rows and columns of a table",
     "TABLE... [options]",
-    "Rows and columns of a table, its cells unchanged. TABLE (- for standard input); several tables with the "
-    "same columns, one after the other, are read as one.",
+    "Prints rows and columns of a table without changing their cells. TABLE is a file, or - for standard "
+    "input; several tables with the same columns are read as one.",
     "repose stats select build/tables/li_disorder_runs.tsv --where 'eps<1e-5' --columns disorder,D",
     select_params,
     .refuses = "A column that the table lacks.",
@@ -50,5 +50,5 @@ static const cli_command select_rows = {
 /* ---- group ---- */
 
 static const cli_command *const commands[] = {CLI_STATS(CLI_ENTRY) & select_rows, NULL};
-const cli_command cmd_stats = {"stats", "lines, trends, limits and correlations from tables of runs",
+const cli_command cmd_stats = {"stats", "fits, trends, limits and correlations from tables of runs",
                                .group = commands};

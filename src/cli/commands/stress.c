@@ -2,5 +2,5 @@
 #include "cli/derive/derive.h"
 
 static const cli_command *const commands[] = {CLI_STRESS(CLI_ENTRY) NULL};
-const cli_command cmd_stress = {"stress", "stress in piles, forces and dip of pressure on their base",
+const cli_command cmd_stress = {"stress", "stress in piles; forces and pressure dip on their base",
                                 .group = commands};

@@ -90,22 +90,21 @@ static rp_status compare_table(cli_call *call, rp_table *table, const void *valu
 
 const cli_command cmd_angle_compare = {
     "angle compare",
-    "measured angles against (3) and (4)",
+    "measured angles compared with (3) and (4) of Lee & Herrmann 1993",
     "FILE [options]",
-    "Compares measured piles with (3) and (4) of Lee & Herrmann 1993, one row per mu.\n"
+    "Compares measured piles with (3) and (4) of Lee & Herrmann 1993, one row for each mu.\n"
     "\n"
-    "FILE (- for standard input) has one row per pile with columns mu, theta_r3_deg,\n"
-    "theta_t_displacement_deg and status, as repose sweep export writes it. Rows whose status is not ok,\n"
-    "and rows with nan in an angle, are left out.\n"
+    "FILE (- for standard input) has one row for each pile, with columns mu, theta_r3_deg, "
+    "theta_t_displacement_deg and status, as `repose sweep export` writes it. Rows whose status is not ok "
+    "and rows with nan in an angle are left out.\n"
     "\n"
-    "Columns with rt hold theta_R + theta_T: measured pile by pile, or with theta_T of (4) at the mean\n"
-    "theta_R. Columns with diff hold measured minus theory. theta_r_se, theta_t_se and theta_rt_se are\n"
-    "SD/sqrt(n); the other errors come from a bootstrap over piles. n_unstable counts the piles steeper\n"
-    "than theta_MS, n_lost the resamples without a theta_T. status is that of repose angle tilt at the\n"
-    "mean theta_R, for the first form of (4) that is not ok.",
+    "Columns with rt hold theta_R + theta_T: measured pile by pile, or with theta_T of (4) at the mean "
+    "theta_R. Columns with diff hold measurement minus theory. theta_r_se, theta_t_se and theta_rt_se are "
+    "SD/sqrt(n); the other errors come from a bootstrap over piles. n_unstable counts the piles steeper than "
+    "theta_MS, and n_lost the resamples without a theta_T. status is that of `repose angle tilt` at the mean "
+    "theta_R, for the first form of (4) that is not ok.",
     "repose angle compare piles.tsv",
     compare_params,
-    .refuses =
-        "A table without these columns, or without a pile that counts; an angle of 90 degrees or more.",
+    .refuses = "A table without these columns, or without a usable pile; an angle of 90 degrees or more.",
     .derives = true,
     .on_table = compare_table};

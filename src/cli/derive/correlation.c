@@ -58,11 +58,11 @@ static rp_status correlation_of_table(cli_call *call, rp_table *table, const voi
 
 const cli_command cmd_stats_correlation = {
     "stats correlation",
-    "correlation of columns, over runs",
+    "correlation of columns over runs",
     "TABLE -x COLUMNS -y COLUMN [options]",
-    "Pearson's correlation of each column of x with y, one row a column and group, with its 95 % interval\n"
-    "by Fisher's transformation. Rows with nan in a column are left out for all. TABLE (- for standard\n"
-    "input): one row per run, as repose sweep export writes.",
+    "Pearson's correlation of each column of x with y, with its 95 % interval by Fisher's transformation, "
+    "one row for each column and group. A row with nan in one of the columns is left out for all. TABLE (- "
+    "for standard input) has one row for each run, as `repose sweep export` writes it.",
     "repose stats correlation build/studies/lh_onset_runs.tsv -x bulk_friction_0,limit_probe -y "
     "theta_t_displacement_deg --by mu",
     correlation_params,

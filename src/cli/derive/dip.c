@@ -4,7 +4,7 @@
 
 #define DIP_OPTIONS(X)                                                                                       \
     X(REAL, margin, "", "0.05", "(0, inf)", "largest |middle| that counts as none")                          \
-    X(REAL, level, "", "0.05", "(0, 0.5)", "of the tests")                                                   \
+    X(REAL, level, "", "0.05", "(0, 0.5)", "significance level of the tests")                                \
     X(BOOL, profile, "", "false", "", "print the mean profile with its band")                                \
     CLI_WHERE(X)
 
@@ -76,24 +76,24 @@ const cli_command cmd_stress_dip = {
     "stress dip",
     "does the pressure on the base dip in the middle?",
     "TABLE [options]",
-    "Does the pressure N on the base of many piles have a minimum in the middle? B is the base that holds\n"
-    "98 % of the load, and distances are from the centroid of the load; both are fixed before N is\n"
-    "looked at.\n"
+    "Tests whether the pressure N on the base of many piles has a minimum in the middle. B is the base that "
+    "holds 98 % of the load, and distances are from the centroid of the load; both are fixed before N is "
+    "examined.\n"
+    "  middle  mean N within 0.1 B minus the mean from 0.1 to 0.2 B, over the mean N:\n"
+    "          negative for a dip. Errors and 95 % intervals are over piles. p_value\n"
+    "          is the probability of a mean as far from 0, p_margin that of the\n"
+    "          equivalence test (TOST) with the margin, and below the fraction of\n"
+    "          piles in which middle is negative\n"
+    "  excess  mean within 0.1 B of N minus the pressure of 60-degree rays under the\n"
+    "          piles' own outlines, over the mean N. It is near 0 if the outline\n"
+    "          makes the dip\n"
+    "The verdict on middle is dip or peak if p_value < level; none_within_margin if p_margin < level; "
+    "dip_within_margin or peak_within_margin if both; otherwise undecided. --profile prints the mean N of "
+    "both sides in bins of 0.05 B, and that of the rays.\n"
     "\n"
-    "middle   N within 0.1 B less that from 0.1 to 0.2 B, over the mean N: negative for a dip. Errors and\n"
-    "         95 % intervals are over piles; p_value is the chance of a mean as far from 0, p_margin\n"
-    "         belongs to the test of equivalence (TOST) with the margin. below: share of the piles in\n"
-    "         which it is negative.\n"
-    "excess   why: N less the pressure of 60-degree rays under the piles' own outlines, mean within 0.1 B,\n"
-    "         over the mean N. Near 0 where the outline makes the dip.\n"
-    "\n"
-    "The verdict is that of the middle: dip or peak if p_value < level; none_within_margin if p_margin <\n"
-    "level; dip_within_margin or peak_within_margin if both; else undecided. --profile prints the mean N\n"
-    "of both sides in bins of 0.05 B, and that of the rays.\n"
-    "\n"
-    "TABLE (- for standard input) has one row per pile with columns n_01 to n_20, excess and status, as\n"
-    "repose sweep export writes it for the protocols drop and pile. Rows whose status is not ok are left\n"
-    "out.",
+    "TABLE (- for standard input) has one row for each pile, with columns n_01 to n_20, excess and status, "
+    "as `repose sweep export` writes it for the protocols drop and pile. Rows whose status is not ok are "
+    "left out.",
     "repose stress dip build/tables/li20_point_runs.tsv",
     dip_params,
     .refuses = "A table without columns n_01 to n_20 and excess. Fewer than 3 piles: exit status 1.",

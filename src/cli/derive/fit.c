@@ -85,12 +85,11 @@ const cli_command cmd_stats_fit = {
     "stats fit",
     "straight line or power law through a table",
     "TABLE -x COLUMN -y COLUMN [options]",
-    "Straight line y = intercept + slope x by least squares, and the line through the origin.\n"
-    "With --se the weights are 1/se^2, and errors follow from se, not rescaled; p_value: chance of a\n"
-    "larger chi2. Without, all weights are equal, and errors follow from the scatter about the line.\n"
-    "residual: largest distance of a point from the line.\n"
-    "TABLE (- for standard input): columns by name, or 1, 2, ... without header; rows with nan are left\n"
-    "out.",
+    "Fits the straight line y = intercept + slope x by least squares, and the line through the origin. With "
+    "--se, weights are 1/se^2, and errors follow from se without rescaling; p_value is the probability of a "
+    "larger chi2. Without --se, all weights are equal, and errors follow from the scatter about the line. "
+    "residual is the largest distance of a point from the line. TABLE (- for standard input) has columns by "
+    "name, or 1, 2, ... if it has no header; rows with nan are left out.",
     "repose stats fit build/tables/lh3.tsv -x mu -y theta_r3_deg_mean --se theta_r3_deg_se --to 0.2",
     fit_params,
     .refuses = "--scale log together with --se, or with a number that is not positive.",

@@ -9,7 +9,7 @@
 
 #define BOX_OPTIONS(X)                                                                                       \
     X(REAL, width, "cm", NULL, "(0, inf)", "width W of the box, from x = 0")                                 \
-    X(REAL, cell, "cm", "0.4", "(0, inf)", "cells; round(W/cell) to W")                                      \
+    X(REAL, cell, "cm", "0.4", "(0, inf)", "width of a bin; round(W/cell) bins reach from 0 to W")           \
     CLI_WHERE(X)
 
 /* ---- piles out of their tables ---- */
@@ -47,8 +47,9 @@ static rp_status find_floor(const char *prefix, const double *block, long asked,
         const double near = NEAR * (c->y - c->y_b);
         if (block[k] != 0.0 || !(fabs(c->x - c->x_b) <= near)) continue;
         if (asked < 1 && fabs(c->y_b - y) > near)
-            return rp_fail(RP_BAD_INPUT, "%s: walls carry grains at y = %g and %g: name the floor by --floor",
-                           prefix, y, c->y_b);
+            return rp_fail(RP_BAD_INPUT,
+                           "%s: walls carry grains at y = %g and %g: name the floor with --floor", prefix, y,
+                           c->y_b);
         y = c->y_b;
     }
     for (size_t k = 0; k < p->n; k++) {
@@ -59,7 +60,7 @@ static rp_status find_floor(const char *prefix, const double *block, long asked,
     if (marked) return RP_OK;
     if (asked > 0)
         return rp_fail(RP_BAD_INPUT, "%s: --floor = %ld: no grain touches this wall", prefix, asked);
-    return rp_fail(RP_BAD_INPUT, "%s: no contact with a level floor: name its wall by --floor", prefix);
+    return rp_fail(RP_BAD_INPUT, "%s: no contact with a level floor: name its wall with --floor", prefix);
 }
 
 /* Where heights count from: the floor's lowest point; without one y = 0, or what contacts reach below. */
@@ -109,10 +110,10 @@ static rp_status check_size(const stress_pile *p, const char *prefix, double wid
 {
     enum { MOST = 100000 };
     if (!(width <= MOST * cell))
-        return rp_fail(RP_BAD_INPUT, "width = %g: more than %d cells of %g", width, MOST, cell);
+        return rp_fail(RP_BAD_INPUT, "width = %g: more than %d bins of %g", width, MOST, cell);
     for (size_t i = 0; i < p->n_grains; i++)
         if (!(fmax(fabs(p->x[i]), fabs(p->y[i])) <= MOST * cell))
-            return rp_fail(RP_BAD_INPUT, "%s: grain %zu at (%g, %g): more than %d cells of %g away", prefix,
+            return rp_fail(RP_BAD_INPUT, "%s: grain %zu at (%g, %g): more than %d bins of %g away", prefix,
                            i + 1, p->x[i], p->y[i], MOST, cell);
     return RP_OK;
 }
@@ -165,17 +166,18 @@ static rp_status print_field(cli_call *call, const void *values)
 
 const cli_command cmd_stress_field = {
     "stress field",
-    "stress in the cells of piles, from their contacts",
+    "stress in bins of piles, from their contacts",
     "DIR|PREFIX... --width W [options]",
-    "Mean over piles of the stress in cells, from contacts.tsv and states.tsv in DIR, or the tables\n"
-    "PREFIX_contacts.tsv and PREFIX_grains.tsv, of each: s_ab, force along a, branch along b, compression "
-    "positive, 0 where there are no grains, y from 0 or the lowest contact below (ground); p\n"
-    "mean pressure, shear radius of Mohr's circle, couple (xy - yx)/2, direction of the largest\n"
-    "compression, mobilised angle.",
+    "Stress in square bins, averaged over piles. Each pile is a folder DIR with contacts.tsv and states.tsv, "
+    "or a pair of tables PREFIX_contacts.tsv and PREFIX_grains.tsv. In s_ab the force is along a and the "
+    "branch along b; compression is positive, and bins without grains have 0. y is measured from 0, or from "
+    "the lowest contact below it (`ground`). p is the mean pressure, shear the radius of Mohr's circle, "
+    "couple (xy - yx)/2, direction that of the largest compression, and mobilised the angle of friction that "
+    "is mobilised.",
     "repose stress field pile --width 4",
     field_params,
-    .refuses = "Tables of several steps: choose one by --where step=N.\n"
-               "More than 100000 cells, or a grain so many cells away: leave it out of the table, or give a "
+    .refuses = "Tables of several steps: choose one with --where step=N.\n"
+               "More than 100000 bins, or a grain so many bins away: leave it out of the table, or give a "
                "larger --cell.\n"
                "A contact whose two ends are one point.",
     .derives = true,
@@ -185,8 +187,7 @@ const cli_command cmd_stress_field = {
 
 #define BASE_OPTIONS(X)                                                                                      \
     BOX_OPTIONS(X)                                                                                           \
-    X(INT, floor, "", "auto", "[1, 1000000] | auto",                                                         \
-      "number of the wall that is the floor; auto: see above")                                               \
+    X(INT, floor, "", "auto", "[1, 1000000] | auto", "number of the wall that is the floor; auto: as above") \
     X(REAL, diameter, "cm", "0.2", "(0, inf)", "nominal diameter of a grain, for the slope")                 \
     X(REAL, g, "cm/s^2", "981.0", "(0, inf)", "gravity")                                                     \
     X(REAL, phi_deg, "deg", "60", "(0, 90)", "inclination of the rays of theory")
@@ -237,21 +238,25 @@ static rp_status print_base(cli_call *call, const void *values)
 
 const cli_command cmd_stress_base = {
     "stress base",
-    "forces on the floor of piles, from their contacts",
+    "forces of piles on the floor, from their contacts",
     "DIR|PREFIX... --width W [options]",
-    "Forces of piles without tilt on the floor, in columns, mean over piles, all per length; from\n"
-    "contacts.tsv and states.tsv in DIR, or PREFIX_contacts.tsv and PREFIX_grains.tsv, of each. N: normal; "
-    "H: away from the left wall;\n"
-    "weight: of the column above; through: vertical force through its sides; imbalance: N - weight -\n"
-    "through; N_theory, H_theory: rays of inclination phi in a wedge of the mean slope by method 3, of\n"
-    "that weight, nan where this slope is phi or more. The floor is what touches grains at the height of "
-    "level walls.",
+    "Forces of untilted piles on the floor, in bins, averaged over piles, all per length. Each pile is a "
+    "folder DIR with contacts.tsv and states.tsv, or a pair of tables PREFIX_contacts.tsv and "
+    "PREFIX_grains.tsv.\n"
+    "  N, H                normal force; horizontal force, away from the left wall\n"
+    "  weight              of the grains above the bin\n"
+    "  through             vertical force through the sides of the column above\n"
+    "  imbalance           N - weight - through\n"
+    "  N_theory, H_theory  of rays of inclination phi, in a wedge with this weight\n"
+    "                      and the mean slope by method 3; nan if this slope is phi\n"
+    "                      or more\n"
+    "The floor consists of the level walls at the height at which grains touch one.",
     "repose stress base pile --width 4",
     base_params,
-    .refuses = "Tables of several steps: choose one by --where step=N.\n"
-               "More than 100000 cells, or a grain so many cells away: leave it out of the table, or give a "
+    .refuses = "Tables of several steps: choose one with --where step=N.\n"
+               "More than 100000 bins, or a grain so many bins away: leave it out of the table, or give a "
                "larger --cell.\n"
                "A contact whose two ends are one point.\n"
-               "No level wall below grains, or several at different heights: choose one by --floor.",
+               "No level wall below grains, or several at different heights: choose one with --floor.",
     .derives = true,
     .act = print_base};

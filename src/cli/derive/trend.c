@@ -12,12 +12,12 @@ enum { SCALE_LINEAR, SCALE_LOG, SCALE_INVERSE };
     X(TEXT, y, "", NULL, "", "column of y")                                                                  \
     CLI_BY(X, "none", "groups")                                                                              \
     CLI_RANGE(X, "x")                                                                                        \
-    X(REAL, power, "", POWER, "[-10, 10]", "weights x^power: 2 where scatter falls as 1/x")                  \
+    X(REAL, power, "", POWER, "[-10, 10]", "exponent of the weights x^power: 2 if the scatter falls as 1/x") \
     CLI_WHERE(X)
 #define TABLE_HELP                                                                                           \
-    "TABLE (- for standard input): one row per run, as repose sweep export writes; several tables of the\n"  \
-    "same columns are read as one. Rows are left out\n"                                                      \
-    "and counted (n_left) if a column holds nan, or a status that does not start with ok."
+    "TABLE (- for standard input) has one row for each run, as `repose sweep export` writes it; several "    \
+    "tables with the same columns are read as one. A row is left out, and counted in n_left, if a column "   \
+    "holds nan or the status does not start with ok."
 
 #define TREND_OPTIONS(X)                                                                                     \
     COLUMN_OPTIONS(X, "0")                                                                                   \
@@ -210,26 +210,27 @@ const cli_command cmd_stats_trend = {
     "stats trend",
     "does a column of a table of runs depend on another?",
     "TABLE... -x COLUMN -y COLUMN [options]",
-    "Does y depend on x? Least squares, one row per group. Errors come from the scatter at each x, which\n"
-    "may differ, or, if an x has one row only, from that about the line; with --pair, from the slopes of\n"
-    "single piles that have a row at every x. Words in column x count as 0, 1, ... in the order in which\n"
-    "they appear.\n"
-    "  change    of the fitted line over the whole range of x; change_lo, change_hi: 95 % interval;\n"
-    "            change_lo90, change_hi90: 90 % interval\n"
-    "  p_value   of the slope, two-sided, Student's t; p_holm: corrected for the number of groups\n"
+    "Tests whether y depends on x, by least squares, with one row for each group. Errors come from the "
+    "scatter at each x, which may differ between them, or, if some x has only one row, from the scatter "
+    "about the line. With --pair they come from the slopes of single piles that have a row at every x. Words "
+    "in column x count as 0, 1, ... in the order of their appearance.\n"
+    "  change    change of the fitted line over the whole range of x; change_lo,\n"
+    "            change_hi: 95 % interval; change_lo90, change_hi90: 90 % interval\n"
+    "  p_value   of the slope, two-sided, Student's t; p_holm: corrected for the\n"
+    "            number of groups\n"
     "  bend      coefficient of x^2 in a quadratic fit\n"
-    "  p_margin  equivalence test (TOST): chance of a change this small if the true one were the margin\n"
-    "  pair      largest difference of the means at two x; p_pairs: largest TOST p over all pairs of x,\n"
-    "            a much stricter test\n"
-    "  verdict   falls or rises if p_holm < level; no_dependence_within_margin if p_margin < level;\n"
-    "            falls_within_margin or rises_within_margin if both; undecided if neither; "
-    "no_result\n" TABLE_HELP,
+    "  p_margin  equivalence test (TOST): probability of a change this small if the\n"
+    "            true one were the margin\n"
+    "  pair      largest difference of the means at two x; p_pairs: largest TOST p\n"
+    "            over all pairs of x, a much stricter test\n"
+    "  verdict   falls or rises if p_holm < level; no_dependence_within_margin if\n"
+    "            p_margin < level; falls_within_margin or rises_within_margin if\n"
+    "            both; undecided if neither; no_result\n" TABLE_HELP,
     "repose stats trend build/tables/lh2a_runs.tsv -x H -y theta_r3_deg --by mu",
     trend_params,
-    .refuses =
-        "A number that is not positive with --scale log; more than ten different words in column x, or "
-        "one that begins with a digit, or words among numbers.\n"
-        "Too few x or rows for a line: exit status 1.",
+    .refuses = "A number that is not positive with --scale log; more than ten different words in column x, "
+               "or one that begins with a digit, or words among numbers.\n"
+               "Too few x or rows for a line: exit status 1.",
     .derives = true,
     .on_table = trend_of_table};
 
@@ -237,11 +238,11 @@ const cli_command cmd_stats_size = {
     "stats size",
     "limit of infinite size, from a table of runs",
     "TABLE... -x COLUMN -y COLUMN [options]",
-    "Finite size: y = limit + c/x by least squares, one row a group; errors from the scatter at each x,\n"
-    "or, if an x has one row only, from that about the line, taken as the same at all x;\n"
-    "lo and hi are 95 % intervals (Student). p_value: of c, two-sided; p_holm: corrected for the number\n"
-    "of groups; p_bend: of a term in 1/x^2, small where limit + c/x does not describe the means.\n"
-    "status is ok, curved where p_bend < 0.05, or no_result.\n" TABLE_HELP,
+    "Finite size: fits y = limit + c/x by least squares, with one row for each group. Errors come from the "
+    "scatter at each x, or, if some x has only one row, from the scatter about the line, taken to be the "
+    "same at all x. lo and hi are 95 % intervals (Student). p_value is that of c, two-sided; p_holm is "
+    "corrected for the number of groups; p_bend is that of a term in 1/x^2, and small where limit + c/x does "
+    "not describe the means. status is ok, curved if p_bend < 0.05, or no_result.\n" TABLE_HELP,
     "repose stats size build/tables/lh2b_runs.tsv -x W -y theta_r3_deg --by mu",
     size_params,
     .refuses = "An x that is not positive.\n"

@@ -2,11 +2,20 @@
 #include "dem/methods/methods.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #include "core/clock.h"
 #include "dem/forces/forces.h"
 #include "dem/list/list.h"
 #include "dem/observe/observe.h"
+
+/* What a too deep overlap follows from. */
+static const char *speed_text(const dem_sim *sim, dem_vec v, char text[128])
+{
+    snprintf(text, 128, "speed %.3g and dt = %g: a larger k_n, a smaller dt or less speed is needed",
+             sqrt(dem_dot(v, v)), sim->def.dt);
+    return text;
+}
 
 rp_status dem_check_overlaps(dem_sim *sim, dem_stretch pairs, dem_stretch grains)
 {
@@ -18,9 +27,10 @@ rp_status dem_check_overlaps(dem_sim *sim, dem_stretch pairs, dem_stretch grains
         double overlap = sim->pairs.radii[k] - sqrt(dem_dot(d, d)),
                smaller = fmin(sim->grains.radius[i], sim->grains.radius[j]);
         if (!(overlap <= smaller))
-            return dem_stop(sim, isfinite(overlap) ? DEM_FAULT_OVERLAP : DEM_FAULT_NON_FINITE, i,
-                            "overlap %g with grain %u, beyond the smaller radius %g", overlap,
-                            sim->grains.id[j], smaller);
+            return dem_stop(
+                sim, isfinite(overlap) ? DEM_FAULT_OVERLAP : DEM_FAULT_NON_FINITE, i,
+                "overlap %g with grain %u, beyond the smaller radius %g, at %s", overlap, sim->grains.id[j],
+                smaller, speed_text(sim, sim->grains.motion[i].v - sim->grains.motion[j].v, (char[128]){0}));
     }
     for (size_t s = 0; s < sim->walls.n_slots; s++) {
         dem_touch touch;
@@ -28,8 +38,8 @@ rp_status dem_check_overlaps(dem_sim *sim, dem_stretch pairs, dem_stretch grains
         if (slot.grain >= grains.from && slot.grain < grains.to && dem_wall_touch(sim, &slot, &touch) &&
             !(touch.overlap <= sim->grains.radius[slot.grain]))
             return dem_stop(sim, isfinite(touch.overlap) ? DEM_FAULT_LEAKED : DEM_FAULT_NON_FINITE,
-                            slot.grain, "its centre passed wall %u (overlap %g)", slot.wall + 1,
-                            touch.overlap);
+                            slot.grain, "its centre passed wall %u (overlap %g), at %s", slot.wall + 1,
+                            touch.overlap, speed_text(sim, sim->grains.motion[slot.grain].v, (char[128]){0}));
     }
     return RP_OK;
 }

@@ -21,7 +21,8 @@ typedef struct {
 /* The groups of dem_scene_schemas, and schemas of some keys of them: a wall's coefficients as given, in a
  * dem_material; what tells the radii of a dem_fill. */
 enum { TOP, NORMAL, TANGENTIAL, ROLLING, MATERIAL, WALLS, GROUND, HARD, IMPLICIT, OUTPUT, PARTICLES, FILL };
-extern const char dem_scene_others[]; /* keys at the top of a file beside those of its schema */
+extern const char dem_scene_others[],
+    dem_wall_others[]; /* keys of the file, of a wall, beside the schema's */
 #define SCHEMA(group) dem_scene_schemas[group].schema
 extern const rp_param dem_coefficient_schema[], dem_radii_schema[];
 /* The first rows of a wall are of entries: their sides are written as segments, each with the name. */

@@ -39,6 +39,8 @@ static const rp_param top_schema[] = {
      "table with columns x y r and, if wanted, m vx vy angle omega fixed; instead of `particles`"},
     {"particles_step", "", RP_INT, AT(dem_scene, particles_step), "last", "[0, 2147483647] | last",
      "step of the table, which may have several"},
+    {"compressed", "", RP_BOOL, AT(dem_scene, compressed), "false", "",
+     "whether listed grains may overlap by more than a tenth of the radius, as a packing under pressure"},
     {"contacts_file", "", RP_TEXT, AT(dem_scene, contacts_file), "", "",
      "table contacts.tsv beside the states.tsv of `particles_file`, whose springs then go on; without it "
      "they begin at 0, and a bed at rest moves"},
@@ -169,6 +171,10 @@ const char dem_scene_others[] =
     "let material gravity normal tangential rolling walls particles fill ground hard implicit phases "
     "measure regions rest result seed run output require";
 
+/* corner_lower and corner_upper joined walls before all walls that meet were joined */
+const char dem_wall_others[] =
+    "point direction extent polygon circle velocity pivot corner_lower corner_upper";
+
 const dem_scene_group dem_scene_schemas[] = {
     {"scene", top_schema, "what all grains share, and the run; gravity = [gx, gy] (cm/s^2)"},
     {"normal", normal_schema, "force of a contact along the line of centres; overlap x, parting at v_n"},
@@ -185,7 +191,8 @@ const dem_scene_group dem_scene_schemas[] = {
      "direction = [nx, ny] (into the grains, any length); of a segment extent = [s0, s1] (from the point "
      "along the direction turned clockwise). A polygon: polygon = ([x, y], ...) (the inside is on the left "
      "of the way from each point to the next). A circle: circle = [x, y, radius]. A motion: velocity = [vx, "
-     "vy] (cm/s) of pivot = [x, y] (the origin; of a circle its centre)"},
+     "vy] (cm/s) of pivot = [x, y] (the origin; of a circle its centre). Of coincident segments only the "
+     "more deeply overlapped one acts, on a tie the later"},
     {"ground", ground_schema,
      "static friction of a wall: each grain on it is held by -mu_static F_n/a times its displacement within "
      "a well of half-width a (Liffman, Chan & Hughes 1992, eqs (30) and (33))"},

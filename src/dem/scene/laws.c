@@ -16,12 +16,16 @@ static rp_status read_material(const config_setting_t *material, dem_scene *scen
 
 rp_status dem_read_physics(const config_setting_t *root, dem_scene *scene)
 {
-    const config_setting_t *material = member(root, "material"), *normal = member(root, "normal");
+    const config_setting_t *material = member(root, "material"), *normal = member(root, "normal"),
+                           *tangential = member(root, "tangential");
     dem_definition *def = &scene->def;
     dem_physics *p = &scene->laws.physics;
     if (material) RP_TRY(read_material(material, scene));
     if (normal && scene->E > 0.0 && (member(normal, "law") || member(normal, "k_n")))
         return rp_config_fail(normal, "normal: law and k_n follow from material; keep one of the two");
+    if (tangential && material && (member(tangential, "law") || member(tangential, "k_s")))
+        return rp_config_fail(
+            tangential, "tangential: law \"mindlin\" and k_s follow from material; keep one of the two");
     dem_physics_apply(p, def);
     const config_setting_t *at = NULL; /* the first that needs what another has */
     for (int k = NORMAL; k <= ROLLING; k++) {

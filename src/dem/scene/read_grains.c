@@ -63,14 +63,13 @@ static rp_status read_cell(const rp_table *table, size_t row, int column, const 
 static rp_status read_particles_table(const rp_table *table, dem_scene *scene)
 {
     enum { N = 9 }; /* keys of a grain */
-    static const char *const numbers[N] = {"1", "2", "3", "4", "5", "6", "7", "8", "9"};
     const rp_param *keys = SCHEMA(PARTICLES);
     int columns[N];
-    const bool named = table->n_columns > 0 && table->names[0];
     if (table->n_rows == 0) return rp_fail(RP_BAD_INPUT, "%s: no particles", table->path);
+    if (!table->names[0]) return rp_table_nameless(table);
     for (int c = 0; c < N; c++) {
-        const rp_status found = rp_table_find(table, named ? keys[c].name : numbers[c],
-                                              "x y r, and m vx vy angle omega fixed as needed", &columns[c]);
+        const rp_status found =
+            rp_table_find(table, keys[c].name, "x y r, and m vx vy angle omega fixed as needed", &columns[c]);
         if (found && !keys[c].fallback) return found;
     }
     RP_TRY(alloc_grains(scene, table->n_rows));

@@ -101,13 +101,10 @@ static rp_status use_material(const config_setting_t *setting, const dem_scene *
 static rp_status read_entry(rp_arena *arena, const config_setting_t *setting, dem_scene *scene,
                             dem_wall_entry *entry)
 {
-    /* corner_lower and corner_upper joined walls before all walls that meet were joined */
-    static const char others[] =
-        "point direction extent polygon circle velocity pivot corner_lower corner_upper";
     static const char *const of_line[] = {"point", "direction", "extent"};
     *entry = (dem_wall_entry){.line.extent = {-INFINITY, INFINITY}};
     rp_params_defaults(SCHEMA(WALLS), scene->def.units, entry);
-    RP_TRY(rp_config_group(setting, SCHEMA(WALLS), entry, others));
+    RP_TRY(rp_config_group(setting, SCHEMA(WALLS), entry, dem_wall_others));
     RP_TRY(dem_read_name(&scene->arena, setting, "name", &entry->name));
     RP_TRY(use_material(setting, scene, entry));
     const config_setting_t *polygon = member(setting, "polygon"), *circle = member(setting, "circle"),
@@ -129,6 +126,7 @@ rp_status dem_read_walls(const config_setting_t *root, dem_scene *scene)
     dem_definition *def = &scene->def;
     dem_wall_entry *entries;
     dem_wall *walls;
+    enum { MOST_WALLS = 10000 }; /* their ends are compared with one another */
     size_t most = 0;
     RP_SCOPE(arena);
     if (!list) return RP_OK;
@@ -138,6 +136,8 @@ rp_status dem_read_walls(const config_setting_t *root, dem_scene *scene)
         RP_TRY(read_entry(&arena, element(list, i), scene, &entries[i]));
         most += entries[i].points ? entries[i].n_points : 1;
     }
+    if (most > MOST_WALLS)
+        return rp_config_fail(list, "walls: %zu lines and sides; at most %d", most, MOST_WALLS);
     RP_NEW(&scene->arena, walls, most);
     RP_NEW(&scene->arena, scene->given, most);
     RP_NEW(&scene->arena, scene->names, most);

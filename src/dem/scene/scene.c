@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/elementary.h"
 #include "dem/scene/file.h"
 #include "dem/scene/radii.h"
 #include "dem/state/method.h"
@@ -19,6 +20,25 @@ void dem_text_close(dem_text *text)
 {
     rp_lets_end(&text->lets);
     config_destroy(&text->config);
+}
+
+/* --set and sweeps take a name of a let for this: a key of the scene with its name has its value, or is
+ * meant where the let is not. */
+static rp_status check_lets(const config_setting_t *root)
+{
+    const config_setting_t *lets = member(root, "let");
+    for (size_t k = 0; k < length(lets); k++) {
+        const char *name = config_setting_name(element(lets, k));
+        const config_setting_t *key = member(root, name);
+        const char *text = key ? config_setting_get_string(key) : NULL;
+        if ((rp_params_find(SCHEMA(TOP), name) || rp_word_index("seed run result", name) >= 0) &&
+            (!text || strcmp(text, name) != 0))
+            return rp_config_fail(element(lets, k),
+                                  "let.%s: %s is a key of the scene too; give the let another name, or the "
+                                  "key its value: %s = \"%s\"",
+                                  name, name, name, name);
+    }
+    return RP_OK;
 }
 
 /* Phases have one stream, whose seed is that of the text or its first fill. */
@@ -50,7 +70,9 @@ rp_status dem_text_scene(dem_text *text, dem_scene *scene)
     rp_params_defaults(SCHEMA(TOP), units, scene);
     def->gravity[1] = rp_units_value(units, "cm/s^2", def->gravity[1]);
     text->lets.know = dem_know, text->lets.call = dem_call, text->lets.host = text;
+    if (!text->lets.place) text->lets.place = dem_place;
     RP_TRY(rp_lets_read(root, &text->lets));
+    RP_TRY(check_lets(root));
     if (member(root, "gravity")) RP_TRY(rp_config_pair(member(root, "gravity"), def->gravity));
     RP_TRY(rp_config_group(root, SCHEMA(TOP), scene, dem_scene_others));
     scene->has_density = member(root, "density") != NULL;
@@ -75,7 +97,8 @@ rp_status dem_text_scene(dem_text *text, dem_scene *scene)
                                   "%s: needs phases, as in phases = ( { name = \"run\"; steps = %ld; } );",
                                   *key, scene->steps);
     RP_TRY(dem_read_grains(text->path, root, scene));
-    for (const dem_fill *f = scene->fills; f < scene->fills + scene->n_fills; f++) {
+    for (size_t k = 0; k < scene->n_fills; k++) {
+        const dem_fill *f = &scene->fills[k];
         const double m = dem_mass(f->shape, f->density, dem_radius_mean(f)), least = def->mass_to_come;
         if (!f->fixed) def->mass_to_come = least > 0.0 ? fmin(m, least) : m;
     }
@@ -128,13 +151,58 @@ rp_status dem_scene_grains(const dem_scene *scene, dem_grain **grains, size_t *n
     return RP_OK;
 }
 
+/* Is a segment from p along t, or a body there, below a grain, along the unit vector down? */
+static bool is_below(const dem_state *s, const double down[2], const double p[2], const double t[2],
+                     const double ends[2], double r)
+{
+    const double dx = p[0] - s->x, dy = p[1] - s->y, across = dx * down[1] - dy * down[0],
+                 slope = t[0] * down[1] - t[1] * down[0];
+    const double along = fabs(slope) > 1e-12 ? fmin(fmax(-across / slope, ends[0]), ends[1]) : 0.0;
+    return fabs(across + along * slope) < r &&
+           (dx + along * t[0]) * down[0] + (dy + along * t[1]) * down[1] > -r;
+}
+
+rp_status dem_first_falling(const dem_scene *scene, const dem_sim *sim, dem_state *grain)
+{
+    static const double point[2] = {0.0, 0.0};
+    const dem_scene_laws *laws = &scene->laws;
+    const size_t n = dem_count(sim), n_walls = dem_wall_count(sim);
+    double g[2], size = 0.0;
+    dem_state *all;
+    RP_SCOPE(memory);
+    dem_gravity(sim, g);
+    *grain = (dem_state){0};
+    const double g_size = rp_hypot(g[0], g[1]), down[2] = {g[0] / g_size, g[1] / g_size},
+                 time = scene->phases ? INFINITY : laws->physics.dt * (double)scene->steps;
+    if (!(g_size > 0.0) || isfinite(laws->x_min) || isfinite(laws->x_max) || isfinite(laws->y_min))
+        return RP_OK;
+    RP_NEW(&memory, all, n);
+    RP_TRY(dem_states(sim, all));
+    for (const dem_state *s = all; s < all + n; s++)
+        size = fmax(size, rp_hypot(s->x - all->x, s->y - all->y) + 20.0 * s->r);
+    if (!(0.5 * g_size * time * time > size)) return RP_OK;
+    for (const dem_state *s = all; s < all + n; s++) {
+        bool held = s->fixed;
+        for (size_t w = 0; w < n_walls && !held; w++) {
+            const dem_wall_state wall = dem_wall_now(sim, w);
+            held = wall.ends[0] < wall.ends[1] &&
+                   is_below(s, down, wall.point, (double[]){wall.direction[1], -wall.direction[0]}, wall.ends,
+                            s->r);
+        }
+        for (const dem_state *b = all; b < all + n && !held; b++)
+            held = b->fixed && is_below(s, down, (double[]){b->x, b->y}, point, point, s->r + b->r);
+        if (!held) return *grain = *s, RP_OK;
+    }
+    return RP_OK;
+}
+
 rp_status dem_scene_start(const dem_scene *scene, dem_sim **sim)
 {
     dem_definition def = scene->def;
     dem_grain *grains = NULL;
     *sim = NULL;
     rp_status status = dem_scene_grains(scene, &grains, &def.n_grains);
-    def.grains = grains, def.lines = scene->n_fills ? NULL : scene->lines;
+    def.grains = grains, def.lines = scene->n_fills || scene->compressed ? NULL : scene->lines;
     if (!status) status = dem_create(&def, sim);
     free(grains);
     return status;

@@ -35,7 +35,8 @@ typedef struct {
     long steps;
     dem_intervals output;
     dem_grain *grains;
-    size_t *lines; /* of the grains in their list */
+    size_t *lines;   /* of the grains in their list */
+    bool compressed; /* they may overlap at the start */
     dem_scene_laws laws;
     dem_material *given;                        /* of the walls, as given */
     const char **names;                         /* of the walls, "" of one without; NULL: none has one */
@@ -59,6 +60,11 @@ bool dem_in_polygon(size_t n, const double points[], double x, double y);
 /* The grains of the start, a new array: those of the scene's list, then those of its fills one after the
  * other. Errors: as dem_fill_grains. */
 rp_status dem_scene_grains(const dem_scene *scene, dem_grain **grains, size_t *n);
+
+/* Id of the first grain at the start with nothing below it along gravity, neither a wall nor a fixed grain,
+ * so that it falls farther than the scene is large in its steps (of phases: in any time), and nothing takes
+ * it out; 0: none. Errors: RP_NO_MEMORY. */
+rp_status dem_first_falling(const dem_scene *scene, const dem_sim *sim, dem_state *grain);
 
 /* Fill if there is something to fill, and make the simulation. Errors: as dem_fill_grains, dem_create. */
 rp_status dem_scene_start(const dem_scene *scene, dem_sim **sim);

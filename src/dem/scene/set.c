@@ -100,14 +100,14 @@ static config_setting_t *let_of(const dem_text *text, const char *name)
     return let ? member(let, name) : NULL;
 }
 
-/* A key that is none of a scene is meant as a let, if there are any. */
-static rp_status check_let(const dem_text *scene, const char *key, const char *text)
+/* A key that is none of a scene is meant as a let, if there are any; after `let.` it is one. */
+static rp_status check_let(const dem_text *scene, const char *key, bool let, const char *text)
 {
     const config_setting_t *lets = config_lookup(&scene->config, "let");
     rp_guess guess = rp_guess_of(key);
     char names[512] = "; lets:";
     size_t used = strlen(names);
-    if (rp_word_index(dem_scene_others, key) >= 0 || rp_params_find(dem_scene_schemas->schema, key))
+    if (!let && (rp_word_index(dem_scene_others, key) >= 0 || rp_params_find(dem_scene_schemas->schema, key)))
         return RP_OK;
     for (size_t k = 0; lets && k < length(lets); k++) {
         const char *name = config_setting_name(element(lets, k));
@@ -116,9 +116,10 @@ static rp_status check_let(const dem_text *scene, const char *key, const char *t
             used += (size_t)snprintf(names + used, sizeof names - used, " %s", name ? name : "");
     }
     const char *near = rp_guess_text(&guess);
-    return lets && length(lets) > 0
-               ? rp_fail(RP_BAD_INPUT, "--set %s: no such key or let%s", text, *near ? near : names)
-               : RP_OK;
+    if (let || length(lets) > 0)
+        return rp_fail(RP_BAD_INPUT, "--set %s: no such %slet%s", text, let ? "" : "key or ",
+                       *near ? near : names);
+    return RP_OK;
 }
 
 rp_status dem_text_give(dem_text *text, const char *name, const rp_value *value)
@@ -143,6 +144,33 @@ const dem_named_key dem_named_keys[] = {
     DEM_GRAIN_PARAMS(OF_TOP) DEM_NORMAL_PARAMS(OF_NORMAL) DEM_TANGENTIAL_PARAMS(OF_TANGENTIAL)
         DEM_ROLLING_PARAMS(OF_ROLLING) DEM_RADIUS_PARAMS(OF_FILL){{0}, NULL}};
 
+/* The first is written as in a file. */
+bool dem_place(const char *key, char text[RP_PLACE_BYTES])
+{
+    size_t used = 0;
+    char group[16];
+    for (const dem_named_key *k = dem_named_keys; k->key; k++) { /* by another name */
+        const char *dot = strchr(k->key, '.');
+        if (!dot || strcmp(k->param.name, key) != 0 || strcmp(dot + 1, key) == 0) continue;
+        snprintf(group, sizeof group, "%.*s", (int)(dot - k->key), k->key);
+        rp_put_place(text, &used, group, dot + 1, "{ }");
+    }
+    for (const dem_scene_group *g = dem_scene_schemas; g->name && used < RP_PLACE_BYTES; g++) {
+        const bool top = g->schema == SCHEMA(TOP),
+                   list = g->schema == SCHEMA(WALLS) || g->schema == SCHEMA(PARTICLES);
+        const char *also = top                          ? dem_scene_others
+                           : g->schema == SCHEMA(WALLS) ? dem_wall_others
+                           : g->schema == SCHEMA(FILL)  ? "radii polygon"
+                                                        : "";
+        if (rp_params_find(g->schema, key) || rp_word_index(also, key) >= 0)
+            rp_put_place(text, &used, top ? "the file itself, outside all groups" : g->name, key,
+                         top    ? ""
+                         : list ? "( )"
+                                : "{ }");
+    }
+    return used > 0;
+}
+
 /* Put "group.key=value" or "list[0].key=value" into the tree that was read, instead of what stands there. */
 rp_status dem_text_change(dem_text *scene, const char *text)
 {
@@ -156,16 +184,19 @@ rp_status dem_text_change(dem_text *scene, const char *text)
     for (char *dot; (dot = strstr(path, ".["));)
         memmove(dot, dot + 1, strlen(dot)); /* libconfig's spelling */
     if (!(copy = rp_text(&arena, "%s", equals + 1))) return RP_NO_MEMORY;
+    const bool let = strncmp(path, "let.", 4) == 0 && !strchr(path + 4, '.');
+    if (let) memmove(path, path + 4, strlen(path + 4) + 1);
     for (char *dot; (dot = strchr(key, '.')); key = dot + 1) {
         *dot = '\0';
         RP_TRY(step_into(key, text, &group));
     }
     if (key == path && let_of(scene, key) && !is_list(copy))
         return dem_text_give(scene, key, (rp_value[]){value_of(copy)});
+    if (let) return check_let(scene, key, true, text);
     for (const dem_named_key *k = dem_named_keys; k->key && key == path; k++)
         if (strcmp(k->param.name, key) == 0 && strchr(k->key, '.') && strncmp(k->key, key, strlen(key)) != 0)
             return rp_fail(RP_BAD_INPUT, "--set %s: of a scene the key is %s", text, k->key);
-    if (key == path && !member(group, key)) RP_TRY(check_let(scene, key, text));
+    if (key == path && !member(group, key)) RP_TRY(check_let(scene, key, false, text));
     if (strchr(key, '['))
         return rp_fail(RP_BAD_INPUT, "--set %s: give a key of the entry, or the whole list", text);
     if (member(group, key)) config_setting_remove(group, key);

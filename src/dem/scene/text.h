@@ -37,6 +37,9 @@ typedef struct {
 } dem_named_key;
 extern const dem_named_key dem_named_keys[];
 
+/* The groups of a scene that know a key, as of rp_lets. */
+bool dem_place(const char *key, char text[RP_PLACE_BYTES]);
+
 /* Give a let a value instead of its own; another reading takes it. Errors: RP_BAD_INPUT (no such let). */
 rp_status dem_text_give(dem_text *text, const char *name, const rp_value *value);
 

@@ -274,9 +274,12 @@ rp_status dem_material_check(const dem_definition *def, const dem_material *m)
             "gamma_s: has no default for the law %s, whose gamma_n is a number; give a rate, in %s", law,
             rp_unit(def->units, "1/s"));
     if (!dem_has_friction(def->tangential) && m->mu > 0.0)
-        return rp_fail(RP_BAD_INPUT, "mu = %g: needs a tangential law, as spring", m->mu);
+        return rp_fail(RP_BAD_INPUT, "mu = %g: needs a tangential law, as tangential = { law = \"spring\"; }",
+                       m->mu);
     if (!dem_has_friction(def->tangential) && m->mu_roll > 0.0)
-        return rp_fail(RP_BAD_INPUT, "mu_roll = %g: needs a tangential law, as spring", m->mu_roll);
+        return rp_fail(RP_BAD_INPUT,
+                       "mu_roll = %g: needs a tangential law, as tangential = { law = \"spring\"; }",
+                       m->mu_roll);
     if (!def->rotation && m->mu_roll > 0.0)
         return rp_fail(RP_BAD_INPUT, "mu_roll = %g: needs rotation = true", m->mu_roll);
     return RP_OK;

@@ -319,7 +319,8 @@ rp_status dem_check_start_overlaps(const dem_sim *sim)
 
 rp_status dem_check_listed(const dem_sim *sim, const size_t lines[])
 {
-    static const char *const MOST = "more than a tenth of the radius, and than twice what carries all weight";
+    static const char *const MOST = "more than a tenth of the radius, and than twice what carries all "
+                                    "weight; compressed = true if this is meant";
     const dem_grains *g = &sim->grains;
     double weight = 0.0;
     dem_relative r;
