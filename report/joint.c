@@ -6,7 +6,7 @@
 #define JOINT_OPTIONS(X)                                                                                     \
     REPORT_OPTIONS(X)                                                                                        \
     X(TEXT, id, "", "lh-five", "", "claim whose `answer` names the claims with the numbers")                 \
-    X(TEXT, table, "", "lh_ramp/points", "", "table of points of a sweep over the choices")               \
+    X(TEXT, table, "", "lh_ramp/points", "", "table of points of a sweep over the choices")                  \
     X(TEXT, column, "", "theta_r3_deg", "", "column that is compared")
 CLI_OPTIONS(joint, JOINT_OPTIONS)
 
