@@ -110,7 +110,7 @@ check: | $(SETUP_FIRST) ## unit tests and fast validation, with sanitizers and w
 SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all -static-libasan -static-libubsan -fno-pie -no-pie -g1 -O2 -ftrivial-auto-var-init=pattern
 asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behaviour sanitizers
 	@$(MAKE) --no-print-directory -j$(JOBS) B=$(B)/asan SAN='$(SANITIZE)' $(addprefix $(B)/asan/,check repose report)
-	@echo "check   with sanitizers" && REPOSE=$(B)/asan/repose RP_CHECK_FAST=1 $(B)/asan/check -j$(JOBS)
+	@echo "check   with sanitizers" && REPOSE=$(B)/asan/repose RP_CHECK_FAST=1 env --default-signal=INT,QUIT $(B)/asan/check -j$(JOBS)
 test: $(B)/check $(REPOSE) $(REPORT) ## run some tests: make test SUITE=dem TEST='part of a name'
 	@REPOSE=$(REPOSE) $(B)/check -j$(JOBS) $(SUITE) --test '$(TEST)'
 

@@ -1383,7 +1383,7 @@ static void test_limits(void)
 static void test_stopped(void)
 {
     plan_endless();
-    CU_ASSERT(failed(__FILE__, __LINE__, run_signalled(SIGTERM, "clock", 9, "sweep run d -j 1"), 75,
+    CU_ASSERT(failed(__FILE__, __LINE__, run_signalled(SIGTERM, "clock", 9, "sweep run d -j 1 --quiet"), 75,
                      "1 of 2 stored"));
     GOOD("sweep status d");
     CU_ASSERT(strstr(out, "# stored: 1\n# missing: 1\n") != NULL);
