@@ -299,6 +299,13 @@ static void facts(void)
     SHELL(
         "sed -n '/of = \"flanks\"/,/of = \"deposit\"/p' out | awk '/^  (from|to) / { printf \"%s \", $4 }' | "
         "grep -x '0.1 0.9 '");
+    /* what docs/choices.md lists as defaults */
+    GOOD("params repose");
+    SHELL("awk '$1 ~ /^(slip|floor|fill|tilt)$/ && !s[$1]++ { printf \"%s=%s \", $1, $4 }' out | "
+          "grep -x 'slip=truncated floor=extends fill=auto tilt=gravity '");
+    GOOD("params scene");
+    SHELL("awk '$1 ~ /^(density|dt)$/ && !s[$1]++ { printf \"%s=%s \", $1, $4 }' out | sort | "
+          "grep -E 'density=1.0 ' | grep -E 'dt=5e-5 '");
     leave();
 }
 
