@@ -490,8 +490,8 @@ static void open_cell(char *cell_text, sweep_plan *plan, size_t *point)
     CHECK_OK(sweep_recipe_read(path, &recipe));
     CHECK_OK(sweep_plan_read(path, sweep_protocols, plan));
     CHECK_OK(sweep_plan_replicate(plan, recipe.study));
-    bool fits[64];
-    CU_ASSERT_FATAL(plan->n_points <= 64);
+    bool fits[128];
+    CU_ASSERT_FATAL(plan->n_points <= 128);
     for (size_t k = 0; k < plan->n_points; k++) fits[k] = true;
     for (char *value; (key = strtok_r(NULL, " ", &save)) && (value = strchr(key, '='));) {
         *value++ = '\0';
@@ -510,15 +510,25 @@ static void open_cell(char *cell_text, sweep_plan *plan, size_t *point)
     CU_ASSERT_EQUAL(n, 1);
 }
 
-/* A parameter of a grid point as text. Default damping is the paper's gamma_n = 500, gamma_s = 5. */
+/* A parameter of a grid point as text, with what "auto" means at the paper's setting: damping, and at its k_n
+ * walls and filling. */
 static const char *setting_of(const sweep_plan *plan, size_t point, const rp_param *param, char text[256])
 {
-    rp_params_text(param, sweep_plan_point(plan, point), text, 256);
-    static const char *const same[][3] = {
-        {"gamma_s", "auto", "5"}, {"gamma_n", "auto", "500"}, {"open", "instant", "0"}};
-    for (size_t k = 0; k < 3; k++)
+    static const char *const same[][3] = {{"gamma_s", "auto", "5"},
+                                          {"gamma_n", "auto", "500"},
+                                          {"open", "instant", "0"},
+                                          {"k_n_wall", "auto", "2e+06"},
+                                          {"fill", "auto", "drop"}};
+    const void *at = sweep_plan_point(plan, point);
+    const rp_param *stiffness = rp_params_find(plan->protocol->schema, "k_n");
+    char k_n[256] = "";
+    if (stiffness) rp_params_text(stiffness, at, k_n, sizeof k_n);
+    const size_t n = sizeof same / sizeof *same - (strcmp(k_n, "1e+06") == 0 ? 0 : 2);
+    rp_params_text(param, at, text, 256);
+    if (strcmp(text, "computed") == 0) strcpy(text, "auto");
+    for (size_t k = 0; k < n; k++)
         if (strcmp(param->name, same[k][0]) == 0 && strcmp(text, same[k][1]) == 0) strcpy(text, same[k][2]);
-    return strcmp(text, "computed") == 0 ? strcpy(text, "auto") : text;
+    return text;
 }
 
 /* What is measured at rest, and what turns afterwards, may differ in a pool of angles of repose. */

@@ -890,21 +890,40 @@ static void test_names(void)
 /* What docs/choices.md says of the five printed angles, by its table: which settings have a chance of 5 %. */
 static void test_five(void)
 {
-    scoped_table t = {0};
-    size_t n = 0;
-    CHECK_OK(rp_table_read("results/kept/claims/choices.tsv", &t));
-    for (size_t row = 0; row < t.n_rows; row++) {
-        const double density = cell(&t, row, "density");
-        const bool cut = strcmp(word(&t, row, "slip"), "truncated") == 0,
-                   extends = strcmp(word(&t, row, "floor"), "extends") == 0,
-                   one = density == 2.5 && cut && extends;
-        if (cell(&t, row, "k_n_wall") != 2e6 || density > 2.5) continue;
-        n++;
-        CU_ASSERT((cell(&t, row, "p_value") >= 0.05) == one && (!one || cell(&t, row, "n_least") < 50.0));
-        CU_ASSERT((cell(&t, row, "p_left") >= 0.05) ==
-                  (cut || density < 1.0 || (density == 1.0 && !extends)));
+    size_t pass[2] = {0}, stand = 0;
+    for (int falls = 0; falls < 2; falls++) {
+        scoped_table t = {0};
+        CHECK_OK(rp_table_read(falls ? "results/kept/claims/drop.tsv" : "results/kept/claims/ramp.tsv", &t));
+        CU_ASSERT(t.n_rows == 16);
+        for (size_t row = 0; row < t.n_rows; row++) {
+            const double density = cell(&t, row, "density"), n_least = cell(&t, row, "n_least");
+            const bool cut = strcmp(word(&t, row, "slip"), "truncated") == 0,
+                       stands = density < (falls ? 0.5 : 2.0),
+                       alone = !falls && (cut ? density == 1.0 || density == 1.7 : density == 0.65);
+            CU_ASSERT((n_least >= 90.0) == stands);
+            CU_ASSERT(density != 2.8 || falls || n_least < (cut ? 30.0 : 15.0));
+            CU_ASSERT((n_least <= 1.0) == (density > (falls ? 0.9 : 4.0)));
+            if (!stands) continue;
+            stand++, pass[0] += alone, pass[1] += cut || density < 0.9;
+            CU_ASSERT((cell(&t, row, "p_value") >= 0.05) == alone);
+            CU_ASSERT((cell(&t, row, "p_left") >= 0.05) == (cut || density < 0.9));
+        }
     }
-    CU_ASSERT(n == 18);
+    CU_ASSERT(stand == 14 && pass[0] == 3 && pass[1] == 12);
+    static const char *const tables[] = {"results/lh_ramp/points.tsv", "results/lh_drop/points.tsv"};
+    for (int falls = 0; falls < 2;
+         falls++) { /* piles fail by overlap, at k_n = 1e4; where grains fall, also at 1e5 */
+        scoped_table t = {0};
+        CHECK_OK(rp_table_read(tables[falls], &t));
+        for (size_t row = 0; row < t.n_rows; row++) {
+            const double density = cell(&t, row, "density"), k_n = cell(&t, row, "k_n");
+            if (cell(&t, row, "n_failed") == 0.0) continue;
+            CU_ASSERT(strncmp(word(&t, row, "failed_for"), "overlap:", 8) == 0 &&
+                      !strchr(word(&t, row, "failed_for"), ','));
+            CU_ASSERT((k_n == 1e4 && density >= (falls ? 0.4 : 1.7)) ||
+                      (falls && k_n == 1e5 && density >= 4.7));
+        }
+    }
 }
 
 /* Numbers, tests and cells of the claims stand a second time in tests/claims.txt: a changed number of a paper

@@ -1,7 +1,7 @@
 # Lee & Herrmann 1993, section 3: angle of repose against normal stiffness, normal damping and shear stiffness.
 # sweeps: claims lh_drop lh_gamma lh_kn lh_kn_wall lh_ks lh_ramp
 heading = 'Angle of repose against stiffness and damping'
-remark = 'bars: standard errors, those of Lee and Herrmann as printed; series shifted sideways; in (a) and (b) gravity grows during the filling; (d) has walls of 2 × 10^6'
+remark = 'bars: standard errors, theirs as printed; series shifted sideways; in (a) and (b) gravity grows as the box is filled; (d) walls 2 × 10^6'
 panels = 4
 shared = 2
 sample = 0
@@ -52,10 +52,9 @@ set xlabel ' '
 set ylabel 'difference (degrees)'
 set xrange [0.5:5.5]
 set yrange [-3:5]
-set xtics ('10^4' 1, '10^5' 2, '50' 3, '100' 4, '10^6, 500' 5)
+set xtics ('10^4' 1, '10^5' 2, '50' 3, '100' 4, '500' 5)
 set label 1 '{/:Italic k}_n' at graph 0.2, graph -0.2 center
-set label 2 '{/:Italic γ}_n' at graph 0.6, graph -0.2 center
-set label 3 '{/:Italic k}_n, {/:Italic γ}_n' at graph 0.9, graph -0.2 center
+set label 2 '{/:Italic γ}_n' at graph 0.7, graph -0.2 center
 plot 0 with lines ls guide notitle, \
      t('lh_ramp/points.tsv') using (this(0) - 0.08*chosen(0)):(column(y) - angle[this(0)]):(sqrt(column(se)**2 + error[this(0)]**2)) with yerrorbars ls 3 notitle, \
      t('lh_drop/points.tsv') using (this(0) + 0.08*chosen(0)):(column(y) - angle[this(0)]):(sqrt(column(se)**2 + error[this(0)]**2)) with yerrorbars ls 4 notitle
