@@ -136,7 +136,8 @@ $(SUITES:%=$(T)/%/done): $(T)/%/done: validation/%.c $(CODE) $(B)/check
 	@echo "check   --full $*"; mkdir -p $(@D); REPOSE=$(REPOSE) $(B)/check --full -o $(T) $* >$(@D)/log || { cat $(@D)/log; exit 1; }; touch $@
 $(T)/claims/done: report/claims.tsv results/lh_drop/points.tsv results/lh_ramp/points.tsv $(REPORTER) | $(REPORT)
 	@mkdir -p $(@D) && cp $< $(@D)/published.tsv
-	@for t in drop ramp; do $(REPORT) joint --claims $< --table lh_$$t/points >$(@D)/$$t.tsv || exit 1; done; touch $@
+	@for t in drop ramp; do $(REPORT) joint --claims $< --table lh_$$t/points >$(@D)/$$t.tsv || exit 1; done
+	@$(REPORT) joint --id lh-five/four --claims $< --table lh_drop/points >$(@D)/drop_four.tsv && $(REPORT) joint --id lh-five/four --claims $< --table lh_ramp/points >$(@D)/ramp_four.tsv && touch $@
 $(T)/%/done: results/%/points.tsv
 	@mkdir -p $(@D) && ln -sfr results/$*/*.tsv $(@D) && touch $@
 # "# sweeps: lh3 lh3_box" and "load 'FILE'" in a figure's file become its dependencies, and so do tables in results.

@@ -390,10 +390,12 @@ rp_status report_judge(const report_claims *all, report_tables *tables, report_j
                 decided[members[n++] = k] = true;
         RP_TRY(judge_family(all, tables, n, members, *judged));
     }
+    for (size_t i = 0; i < all->n; i++)
+        if (all->claims[i].kind == CLAIM_JOINT)
+            RP_TRY(judge_joint(tables->arena, all, &all->claims[i], *judged, &(*judged)[i]));
     for (size_t i = 0; i < all->n; i++) {
         const report_claim *c = &all->claims[i];
         report_judged *j = &(*judged)[i];
-        if (c->kind == CLAIM_JOINT) RP_TRY(judge_joint(tables->arena, all, c, *judged, j));
         weigh_choice(all, i, *judged);
         j->word = report_verdict_text(j->verdict, strcmp(c->paper, "ours") == 0);
         j->note = note_of(tables->arena, c, j);

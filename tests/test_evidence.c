@@ -386,16 +386,23 @@ static void check_need(bool needed, const char *message)
 static void test_choices(void)
 {
 #define CHOICE(id, of, on, k) id "\t" of "\tlh\t-\ts\t" on "\tabove\t-\t-\t-\t-\t-\tt k=" k " v\t0\tx\t-\n"
+#define JOINT(id, of, on, test, published, answer)                                                           \
+    id "\t" of "\tlh\t-\ts\t" on "\t" test "\t" published "\t1\t20\t-\t-\t" answer "\t-\tx\t-\n"
     write_text("t.tsv", "# k\tv\tv_se\tchi2\tdof\n1\t3\t1\t8\t2\n2\t3\t1\t1\t2\n3\t-3\t1\t1\t2\n");
     write_text("claims.tsv",
                "id\tof\tpaper\tplace\tsection\ton\ttest\tpublished\tpublished_se\tsamples\tmargin\t"
                "family\tanswer\tagainst\tstatement\tnote\n" CHOICE("wide", "-", "page", "1")
                    CHOICE("a", "-", "page", "2") CHOICE("a/other", "a", "decides", "3")
-                       CHOICE("b", "-", "page", "2") CHOICE("b/other", "b", "full", "3"));
+                       CHOICE("b", "-", "page", "2") CHOICE("b/other", "b", "full", "3")
+                           JOINT("near", "-", "page", "agrees", "3", "t k=2 v")
+                               JOINT("far", "-", "page", "agrees", "9", "t k=2 v")
+                                   JOINT("both", "-", "page", "joint", "-", "near near")
+                                       JOINT("both/other", "both", "decides", "joint", "-", "far far"));
     REPORTS(ASK);
     CHECK_CELLS({"wide", "ours", "3.0 ± 2.0"}, {"a", "ours", "3.0 ± 1.0"}, {"wide", "verdict", "open"},
                 {"a", "detail", "reproduced by itself, not reproduced by a/other"}, {"a", "verdict", "open"},
-                {"b", "verdict", "reproduced"});
+                {"b", "verdict", "reproduced"}, {"both", "verdict", "open"},
+                {"both", "detail", "reproduced by itself, not reproduced by both/other"});
 }
 
 static void test_needs(void)

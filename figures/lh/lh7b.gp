@@ -7,7 +7,7 @@ load 'figures/style.gp'
 set xlabel 'friction coefficient {/:Italic μ}'
 set ylabel 'tilting angle {/:Italic θ}_T (degrees)'
 set xrange [-0.01:0.32]
-set yrange [0:10]
+set yrange [0:12]
 forms = 'printed lattice'
 form(k) = word('"(4) as printed" "(4) with balanced forces, rays fixed to the lattice"', k)
 measured(name, by) = sprintf("t('%s/points.tsv') using (column('mu')):(column('theta_t_%s_deg_mean')):(column('theta_t_%s_deg_se')) with yerrorbars", name, by, by)
