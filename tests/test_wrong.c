@@ -87,7 +87,7 @@ static void names(void)
     static const wrong_scene cases[] = {
         {"let = { r = 0.1; };" SCENE, "let r: r already stands for something in `add` of a phase (radius of",
          "let = { R = 0.1; };" SCENE},
-        {"let = { touch = 0.1; };" SCENE, "`add` of a phase (lowest place", NULL},
+        {"let = { touch = 0.1; };" SCENE, "`add` of a phase (height of first contact", NULL},
         {"let = { t = 0.1; };" SCENE, "in every expression (time since the phase began)", NULL},
         {"let = { d = 0.1; };" SCENE, "in every expression (the diameter of the mean grain)", NULL},
         {"let = { pi = 3.0; };" SCENE, "in every expression (the number pi)", NULL},
@@ -178,6 +178,9 @@ static void tables(void)
         {"# vtk DataFile Version 3.0\n", "is a VTK file"},
         {"<?xml version=\"1.0\"?>\n", "is an XML file"},
         {"{\"x\": [1, 2]}\n", "is a JSON file"},
+        {"2\nLattice=\"4 0 0\"\nC 0 0.5 0\nC 1 0.5 0\n", "t.tsv: is an XYZ file; a table expected"},
+        {"2\r\n\r\n1\t0\t0.5\t0\r\n1\t1\t0.5\t0\r\n", "t.tsv: is an XYZ file"},
+        {"\x89PNG\r\n", "t.tsv: is a picture; a table expected"},
         {"x\ty\tr\n0,0\t0,5\t0,1\n",
          "\"0,0\" is not a finite number; decimal commas? write points, as in 0.5"},
         {"x y r\n0,0 0,5 0,1\n", "decimal commas? write points"},
@@ -195,6 +198,17 @@ static void tables(void)
         write_text("t.tsv", "%s", cases[k][0]);
         FAILS(65, cases[k][1], "run s.cfg");
     }
+    /* bytes that no text has, and wherever a table is read */
+    SHELL("printf '\\377\\330\\377\\340\\0\\20JFIF' >t.tsv; printf 'PK\\3\\4\\0' >t.ods; printf '2\\n\\nC 0 "
+          "0.5 0\\nC 1 "
+          "0.5 0\\n' >t.xyz");
+    FAILS(65, "t.tsv: is a picture; a table expected", "run s.cfg");
+    FAILS(65, "t.ods: is an archive or spreadsheet", "stats select t.ods");
+    FAILS(65, "t.xyz: is an XYZ file", "view t.xyz -o p.svg");
+    FAILS(65, "t.xyz: is an XYZ file", "angle slope t.xyz");
+    FAILS(65, "t.xyz: is an XYZ file", "export t.xyz --to lammps -o t.dump");
+    write_text("t.txt", "5\n3\n4\n"); /* one column of numbers is a table */
+    GOOD("stats select t.txt --columns 1");
     /* what the messages tell to do */
     write_text("t.csv", "x;y;r\n0,0;0,5;0,1\n");
     SHELL("tr ';,' '\\t.' <t.csv >t.tsv");
@@ -258,6 +272,34 @@ static void errors(void)
                  "= `a`; take = `rate`; } );\n");
     PRINTS("10 values: at least 16 needed", "run s.cfg");
     PRINTS("10 samples: more than 20 needed, or 10 passes", "run s.cfg");
+    put("s.cfg",
+        "let = { v = 1.0; }; dt = 1e-4; gravity = [0.0, 0.0]; particles = ( { x = 1.0; y = 1.0; r = "
+        "0.1; } );\n"
+        "phases = ( { name = `b`; repeat = 2; phases = ( { name = `a`; steps = 100; every = 10; } ); } "
+        ");\n"
+        "measure = ( { name = `rise`; of = `v*time`; during = `a`; take = `rate`; },\n"
+        "  { name = `fall`; of = `-floor(time/0.015)`; during = `a`; take = `avalanches`; drop = 0.5; "
+        "},\n"
+        "  { name = `line`; of = `v*time`; at = `a`; take = `line`; against = `time`; } );\n");
+    PRINTS("\nrise_se\tnan\t-\tstandard error of the rate, from ten blocks of v*time, during a; 2 passes: at "
+           "least 10 needed\n",
+           "run s.cfg");
+    PRINTS("; one avalanche: at least 2 needed for an error\n", "run s.cfg");
+    PRINTS("; 2 samples: at least 3 needed for an error\n", "run s.cfg");
+    const char *const note = "# errors: nan where a mean is of one result; at least 2 needed\n";
+    put("w.cfg", "experiment = `s.cfg`; replicas = 1; seed = 1; grid = { v = [1.6, 2.0]; };\n");
+    GOOD("sweep make w.cfg -o w --quiet");
+    PRINTS(note, "sweep export w --reduce");
+    GOOD("sweep export w");
+    CU_ASSERT(!strstr(out, "# errors"));
+    GOOD("sweep make w.cfg -o w --quiet --replicas 2");
+    GOOD("sweep export w --reduce");
+    CU_ASSERT(!strstr(out, "# errors"));
+    write_text("two.tsv", "# x\ty\ts\n1\t2\t1\n2\t3\t1\n");
+    PRINTS("# errors: nan; at least 3 rows needed\n", "stats fit two.tsv -x x -y y");
+    PRINTS("# errors: p_value is nan; at least 3 rows needed\n", "stats fit two.tsv -x x -y y --se s");
+    write_text("one.tsv", "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n0.2\t18\t5\tok\n");
+    PRINTS("# errors: mu = 0.2 has one pile; at least 2 needed\n", "angle compare one.tsv");
 }
 
 static void sweeps(void)

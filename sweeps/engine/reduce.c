@@ -22,6 +22,7 @@ typedef struct {
     rp_tally causes;  /* of those without a result */
     size_t *n_finite; /* of each output */
     double *finite;   /* n_outputs x replicas */
+    bool single;      /* a mean of one result */
 } table;
 
 /* Of the rows that are stored. */
@@ -179,6 +180,7 @@ static void write_point(table *t)
     for (size_t i = 0; i < t->n_outputs; i++, n += SWEEP_STATISTICS) {
         stats_summary a;
         stats_mean(t->n_finite[i], t->finite + i * t->plan->replicas, &a); /* NaN without values */
+        t->single |= t->n_rows > 0 && a.n == 1;
         memcpy(values + n, (double[]){a.mean, a.sd, a.se, a.lo, a.hi, (double)a.n},
                SWEEP_STATISTICS * sizeof *values);
     }
@@ -215,9 +217,20 @@ static rp_status write_reduced(table *t, sweep_store *store)
     RP_SCOPE(memory);
     RP_NEW(&memory, t->n_finite, t->n_outputs);
     RP_NEW(&memory, t->finite, t->n_outputs * t->plan->replicas);
-    RP_TRY(sweep_store_visit(store, t->plan, true, gather, t));
-    write_point(t);
-    return RP_OK;
+    FILE *const out = t->out;
+    char *rows = NULL;
+    size_t size;
+    t->out = open_memstream(&rows, &size); /* the header says what the rows lack */
+    rp_status status = t->out ? sweep_store_visit(store, t->plan, true, gather, t) : RP_NO_MEMORY;
+    if (!status) write_point(t);
+    if (t->out && fclose(t->out)) status = rp_fail(RP_NO_MEMORY, "table: out of memory");
+    t->out = out;
+    if (!status && t->single)
+        rp_table_note(out, "errors", "nan where a mean is of one result; at least 2 needed");
+    if (!status) status = write_columns(t);
+    if (!status) fwrite(rows, 1, size, out);
+    free(rows);
+    return status;
 }
 
 rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, unsigned what,
@@ -228,7 +241,7 @@ rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, 
     RP_TRY(sweep_folder_read(dir, protocols, &f));
     table t = {.plan = &f.plan, .out = out, .what = what, .n_outputs = sweep_count_outputs(f.plan.protocol)};
     RP_TRY(write_head(&f.plan, f.store, command, counts ? counts : &unused, out));
-    RP_TRY(write_columns(&t));
+    if (!(what & SWEEP_POINTS)) RP_TRY(write_columns(&t));
     RP_TRY(what & SWEEP_POINTS ? write_reduced(&t, f.store)
                                : sweep_store_visit(f.store, &f.plan, true, write_run, &t));
     return rp_file_finish(out, "table");

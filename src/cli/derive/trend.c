@@ -50,7 +50,7 @@ typedef struct {
 
 static rp_status read_rows(rp_arena *arena, const rp_table *t, const trend_options *o, rows *r)
 {
-    const rp_choice choice = {.range = (double[]){o->from, o->to}, .groups = &r->groups};
+    const rp_choice choice = {.range = CLI_RANGE_OF(o), .groups = &r->groups};
     const char *names = rp_text(arena, "%s,%s%s", o->x, o->y, o->pair ? ",pile" : "");
     RP_TRY(rp_one_column("-y", o->y)); /* one x was found */
     RP_TRY(rp_group_rows(arena, t, o->by, '\t', &r->groups));
@@ -138,7 +138,7 @@ static rp_status fit_groups(const cli_call *call, const rp_table *t, const rows 
     RP_TRY(rp_header_by(t, o->by, size ? SIZE_COLUMNS : TREND_COLUMNS, call->out));
     for (size_t g = 0; g < n_groups; g++) {
         if (*r->groups.words[g]) fprintf(call->out, "%s\t", r->groups.words[g]);
-        const char *failed = rp_failed_text(call->arena, t, &r->groups, g, o->x, (double[]){o->from, o->to});
+        const char *failed = rp_failed_text(call->arena, t, &r->groups, g, o->x, CLI_RANGE_OF(o));
         if (size)
             print_size(call, &fits[g], p_holm[g], failed);
         else
