@@ -71,7 +71,7 @@ static void misplaced(void)
         {"tangential = { mu_roll = 0.1; };" SCENE,
          "tangential.mu_roll: does not belong here, but in rolling = { mu = ...; }", NULL},
         {FLOOR SOME "phases = ( { name = `a`; steps = 3; } );",
-         "steps: a text with phases ends with their last", PHASES},
+         "steps: an experiment ends with its last phase", PHASES},
         {"material = { E = 1e9; nu = 0.3; restitution = 0.5; mu = 0.3; }; tangential = { law = `spring`; "
          "};" SCENE,
          "tangential: law \"mindlin\" and k_s follow from material; keep one",
@@ -145,7 +145,7 @@ static void numbers(void)
         {"rotation = yes;" SCENE, "syntax error", "rotation = true;" SCENE},
         {"rotation = `yes`;" SCENE, "rotation = \"yes\"", NULL},
         {"units = `mks`;" SCENE, "units = \"mks\": unknown word, allowed: cgs | si | sigma", NULL},
-        {"let = { v = { value = 1.0; unit = `m/s`; }; };" SCENE, "unit = m/s: the text's units are cgs; cm/s",
+        {"let = { v = { value = 1.0; unit = `m/s`; }; };" SCENE, "unit = m/s: the file's units are cgs; cm/s",
          NULL},
         {"dt = 1;" FLOOR "fill = { N = 3; W = 4.0; H = 4.0; };", "dt = 1: too large for", NULL},
         {PRESSED, "compressed = true if this is meant", "compressed = true;" PRESSED},
@@ -191,7 +191,7 @@ static void tables(void)
         {"id type x y radius\n1 1 0 0.5 0.1\n", "no column \"r\"; expected header: x y r, and m vx vy angle "
                                                 "omega fixed as needed; found: id type x y radius"},
         {"x y r\n0 0.5 -0.1\n", "t.tsv:2: r = -0.1: out of range, allowed: (0, inf) cm"},
-        {"# units: m\tm\tm\nx\ty\tr\n0\t0.5\t0.1\n", "column 1: unit = m: the text's units are cgs; cm"},
+        {"# units: m\tm\tm\nx\ty\tr\n0\t0.5\t0.1\n", "column 1: unit = m: the file's units are cgs; cm"},
         {"x y r\n", "t.tsv: no particles"}};
     put("s.cfg", TABLE);
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {

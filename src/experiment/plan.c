@@ -176,7 +176,7 @@ static rp_status read(exp_plan *plan)
     RP_TRY(rp_prefix(status, "%s: ", text->path));
     if (config_lookup(&text->config, "steps"))
         return rp_config_fail(config_lookup(&text->config, "steps"),
-                              "steps: a text with phases ends with their last");
+                              "steps: an experiment ends with its last phase");
     RP_TRY(read_result(plan));
     RP_NEW(&plan->arena, plan->scopes,
            plan->scene.def.n_walls + plan->scene.n_fills +
