@@ -298,6 +298,12 @@ static void errors(void)
     write_text("two.tsv", "# x\ty\ts\n1\t2\t1\n2\t3\t1\n");
     PRINTS("# errors: nan; at least 3 rows needed\n", "stats fit two.tsv -x x -y y");
     PRINTS("# errors: p_value is nan; at least 3 rows needed\n", "stats fit two.tsv -x x -y y --se s");
+    write_text("g.tsv",
+               "# x\ty\tg\tstatus\n1\t2\ta\tok\n2\t3\ta\tok\n3\t3.5\ta\tok\n1\t2\tb\tok\n2\t3\tb\tok\n");
+    const char *const group =
+        "# no_result: b: no trend: 2 values at 2 different x; at least 3 values at 2 x needed\n";
+    PRINTS(group, "stats trend g.tsv -x x -y y --by g");
+    PRINTS(group, "stats size g.tsv -x x -y y --by g");
     write_text("one.tsv", "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n0.2\t18\t5\tok\n");
     PRINTS("# errors: mu = 0.2 has one pile; at least 2 needed\n", "angle compare one.tsv");
 }
