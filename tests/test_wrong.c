@@ -290,6 +290,11 @@ static void errors(void)
     put("w.cfg", "experiment = `s.cfg`; replicas = 1; seed = 1; grid = { v = [1.6, 2.0]; };\n");
     GOOD("sweep make w.cfg -o w --quiet");
     PRINTS(note, "sweep export w --reduce");
+    PRINTS("# short series: 2 runs have nan as an _se; after repose run FILE --row N -o DIR, repose run "
+           "DIR/scene.cfg says why\n",
+           "sweep export w");
+    GOOD("run w.cfg --row 1 -o wr"); /* as the line says */
+    PRINTS("; 2 passes: at least 10 needed\n", "run wr/scene.cfg");
     GOOD("sweep export w");
     CU_ASSERT(!strstr(out, "# errors"));
     GOOD("sweep make w.cfg -o w --quiet --replicas 2");

@@ -29,7 +29,7 @@ typedef struct {
 typedef struct {
     const sweep_plan *plan;
     XXH3_state_t *state;
-    size_t n_rows, n_outputs, n_makers;
+    size_t n_rows, n_outputs, n_makers, n_short; /* short: results with a standard error that is nan */
     double seconds;
     char text[33];
     struct {
@@ -59,6 +59,10 @@ static rp_status digest_row(const sweep_row *row, void *context)
     XXH3_128bits_update(d->state, row->result.values, d->n_outputs * sizeof *row->result.values);
     if (isfinite(row->seconds)) d->seconds += row->seconds;
     if (row->program) add_maker(d, row->program);
+    bool is_short = false;
+    for (size_t i = 0; i < d->n_outputs && rp_is_result(row->result.status); i++)
+        is_short |= isnan(row->result.values[i]) && rp_ends_in(d->plan->protocol->outputs[i].name, "_se");
+    d->n_short += is_short;
     d->n_rows++;
     return RP_OK;
 }
@@ -101,6 +105,11 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
     rp_table_note(out, "source", "%.*s %s %zu", (int)strcspn(name, "."), name, digest.text, digest.n_rows);
     rp_table_note(out, "missing", "%zu of %zu", counts->planned - counts->stored, counts->planned);
     note_failed(counts, out);
+    if (digest.n_short > 0)
+        rp_table_note(out, "short series",
+                      "%zu runs have nan as an _se; after repose run FILE --row N -o DIR, repose run "
+                      "DIR/scene.cfg says why",
+                      digest.n_short);
     if (sweep_count_aborted(counts) > 0)
         rp_table_note(out, "aborted", "%zu of the failed, to be tried again", sweep_count_aborted(counts));
     rp_table_note(out, "run_time", "%.1f s", digest.seconds);
