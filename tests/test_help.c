@@ -409,8 +409,8 @@ static const char *default_of(const rp_param *p, bool si, char text[64])
 
 static const char *type_of(const rp_param *p)
 {
-    static const char *const words[] = {[RP_REAL] = "real",   [RP_INT] = "whole", [RP_BOOL] = "bool",
-                                        [RP_CHOICE] = "word", [RP_TEXT] = "text", [RP_TEXTS] = "text"};
+    static const char *const words[] = {[RP_REAL] = "real",     [RP_INT] = "int",   [RP_BOOL] = "bool",
+                                        [RP_CHOICE] = "choice", [RP_TEXT] = "text", [RP_TEXTS] = "text"};
     return words[p->type];
 }
 

@@ -16,7 +16,7 @@
 CLI_OPTIONS(params, PARAMS_OPTIONS)
 
 static const char *const type_words[] = {
-    [RP_REAL] = "real", [RP_INT] = "whole", [RP_BOOL] = "bool", [RP_CHOICE] = "word", [RP_TEXT] = "text"};
+    [RP_REAL] = "real", [RP_INT] = "int", [RP_BOOL] = "bool", [RP_CHOICE] = "choice", [RP_TEXT] = "text"};
 
 /* The default as in the schema; in other units than its own converted. */
 static const char *default_of(const rp_param *p, rp_units units, char text[64])
