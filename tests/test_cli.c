@@ -581,6 +581,8 @@ static void test_stress_tables(void)
                "0\t1\t0.9\t0.1\t0.9\t0\t490.5\t0\n0\t1\t1.1\t0.1\t1.1\t0\t490.5\t0\n",
                490.5 * sqrt(2.0), 490.5 * sqrt(2.0));
     scoped_table t = TABLE_OF("stress base p --width 1.2 --cell 0.2");
+    const char *const note = rp_table_find_note(&t, "errors");
+    CU_ASSERT(note && strcmp(note, "nan for one pile; at least 2 needed") == 0);
     static const double n[] = {1471.5, 0.0, 2452.5, 490.5}, weight[] = {981.0, 981.0, 1962.0, 490.5};
     for (size_t i = 0; i < 4; i++)
         CHECK_EACH(cell(&t, i, NAME), 1e-8, {"N", n[i] / 0.2}, {"H", i == 2 ? 490.5 / 0.2 : 0.0},

@@ -1082,7 +1082,7 @@ static void ranges_of_ground(void)
             if (k < 2) wall->extent[k] = k ? 1.0 : -1.0;
             if (k == 2) wall->open_at_step = 0;
             if (k == 3) wall->velocity[0] = 1.0;
-            CHECK_FAILS_IF(w, dem_laws_check(&def), RP_BAD_INPUT, "must be a whole line");
+            CHECK_FAILS_IF(w, dem_laws_check(&def), RP_BAD_INPUT, "must be an infinite line");
             *wall = before;
         }
     def.ground.wall = 0, def.ground.a = -1.0; /* without ground, nothing of it counts */

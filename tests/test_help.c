@@ -46,8 +46,9 @@ static void words_go_on(const char *expected)
 /* What an option is for, with unit, range and default. */
 static const char *text_of(const rp_param *p, char text[1024])
 {
-    int n = sprintf(text, "%s", p->meaning);
-    if (*p->unit) n += sprintf(text + n, ", %s", p->unit);
+    const size_t said = strcspn(p->meaning, ";"); /* before what its words mean */
+    int n = sprintf(text, "%.*s%s%s%s%s", (int)said, p->meaning, *p->unit ? " [" : "", p->unit,
+                    *p->unit ? "]" : "", p->meaning + said);
     if (p->range && *p->range) n += sprintf(text + n, "; %s", p->range);
     if (!p->fallback) n += sprintf(text + n, " (required)");
     if (p->fallback && *p->fallback && p->type != RP_BOOL) sprintf(text + n, " (default %s)", p->fallback);
@@ -115,7 +116,7 @@ static void check_help(const cli_command *c)
 static const rp_param *options_of_do(void)
 {
     static const rp_param rows[] = {
-        {"a_length", "cm", RP_REAL, 0, NULL, "> 0", "for which a line of sixty columns has no room", false},
+        {"a_length", "cm", RP_REAL, 0, NULL, "> 0", "for which no line has room; of sixty columns", false},
         {"n", "", RP_INT, 8, "1", "", "a number", false},
         {"word", "", RP_CHOICE, 16, "one", "one | two", "with marks \\`*_{}[]<>#~^$@|+!&-", false},
         {"flag", "", RP_BOOL, 24, "false", "", "yes or no", false},
@@ -155,7 +156,7 @@ static const char help_of_do[] =
     "  a line as it is\n"
     "Other words.\n\n"
     "options:\n"
-    "  --a-length             for which a line of sixty columns has no room, cm; > 0\n"
+    "  --a-length             for which no line has room [cm]; of sixty columns; > 0\n"
     "                         (required)\n"
     "  -n                     a number (default 1)\n"
     "  --word                 with marks \\`*_{}[]<>#~^$@|+!&-; one | two (default\n"
@@ -177,7 +178,7 @@ static const char manual_of_do[] =
     "      a line as it is\n\n"
     "Other words.\n\n"
     "**\\-\\-a\\-length**\n"
-    ":   for which a line of sixty columns has no room, cm; \\> 0 (required)\n\n"
+    ":   for which no line has room \\[cm\\]; of sixty columns; \\> 0 (required)\n\n"
     "**\\-n**\n"
     ":   a number (default 1)\n\n"
     "**\\-\\-word**\n"
@@ -408,8 +409,8 @@ static const char *default_of(const rp_param *p, bool si, char text[64])
 
 static const char *type_of(const rp_param *p)
 {
-    static const char *const words[] = {[RP_REAL] = "real",   [RP_INT] = "whole", [RP_BOOL] = "bool",
-                                        [RP_CHOICE] = "word", [RP_TEXT] = "text", [RP_TEXTS] = "text"};
+    static const char *const words[] = {[RP_REAL] = "real",     [RP_INT] = "int",   [RP_BOOL] = "bool",
+                                        [RP_CHOICE] = "choice", [RP_TEXT] = "text", [RP_TEXTS] = "text"};
     return words[p->type];
 }
 

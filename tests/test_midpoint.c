@@ -413,7 +413,7 @@ static void refusals(void)
             "has no tangential law spring");
     REFUSES((def.tension = false, def.hard.on = true), "hard: collisions need the integrator verlet");
     REFUSES(def.walls[0].extent[1] = 5.0,
-            "wall 1: extent = [-inf, 5]: the integrator implicit needs whole lines");
+            "wall 1: extent = [-inf, 5]: the integrator implicit needs infinite lines");
     REFUSES(def.box_turn_per_step = 0.01, "the integrator implicit needs walls that stand");
     REFUSES((def.implicit.solver = DEM_SOLVER_SOR, def.implicit.relaxation = 2.0),
             "relaxation = 2: out of range");

@@ -190,7 +190,7 @@ static void particles_from_table(void)
     CHECK_OK(grains_read(text, NULL, &again));
     CU_ASSERT(again.def.n_grains == 3 && again.grains[1].fixed && !again.grains[0].fixed && !*again.unused);
     file_print(table, "# units: m\tm\tm\nx\ty\tr\n1\t2\t0.1\n");
-    grains_refused(text, NULL, "column 1: unit = m: the text's units are cgs; cm");
+    grains_refused(text, NULL, "column 1: unit = m: the file's units are cgs; cm");
     file_print(table, "x\ty\tr\tstep\n1\t2\t0.1\tnan\n1\t3\t0.1\t0\n");
     grains_refused(text, NULL, ":2: column 4 step: \"nan\" is not a finite number");
     file_print(table, "x\ty\tr\tfixed\n1\t2\t0.1\t2\n");

@@ -96,7 +96,7 @@ enum { TEXTS = sizeof texts / sizeof *texts };
  * that has this key, and may at others. */
 static const struct {
     const char *group, *key, *reason, *unless;
-} exempt[] = {{"", "steps", "a text with phases ends with their last", NULL},
+} exempt[] = {{"", "steps", "an experiment ends with its last phase", NULL},
               {"", "kernel", "the same bits: suite laws", NULL},
               {"", "ledger", "reads, and changes nothing", NULL},
               {"", "particles_file", "the grains of the table are of the key: suite scene", NULL},

@@ -767,13 +767,13 @@ static void refused(void)
         /* what lies on a whole line would never act, unless it is alike, or the line opens */
         {"walls = ( " FLOOR
          ", { point = [3.0, 0.0]; direction = [0.0, 1.0]; k_n = 7e5; } ); " ONE, /* either */
-         "wall 1: lies on wall 2, a whole line, and would never act"},
+         "wall 1: lies on wall 2, an infinite line, and would never act"},
         {"walls = ( { point = [-2.00009, 0.5]; direction = [1.0, 0.0]; extent = [0.0, 1.0]; k_n = 7e5; },\n"
          "{ point = [-2.0, 0.0]; direction = [1.0, 0.0]; } ); " ONE,
-         "wall 1: lies on wall 2, a whole line"},
+         "wall 1: lies on wall 2, an infinite line"},
         {"walls = ( " FLOOR
          ", { polygon = ( [0.0, 0.0], [5.0, 0.0] ); closed = false; velocity = [9.0, 0.0]; } ); " ONE,
-         "wall 2: lies on wall 1, a whole line"},
+         "wall 2: lies on wall 1, an infinite line"},
         {"box_turn_deg_per_step = 10.0; walls = ( " FLOOR
          " ); particles = ( { x = 3.0; y = 0.5; r = 0.1; } );",
          "box_turn_deg_per_step: wall 1: moves 0.53"},

@@ -71,7 +71,7 @@ static void misplaced(void)
         {"tangential = { mu_roll = 0.1; };" SCENE,
          "tangential.mu_roll: does not belong here, but in rolling = { mu = ...; }", NULL},
         {FLOOR SOME "phases = ( { name = `a`; steps = 3; } );",
-         "steps: a text with phases ends with their last", PHASES},
+         "steps: an experiment ends with its last phase", PHASES},
         {"material = { E = 1e9; nu = 0.3; restitution = 0.5; mu = 0.3; }; tangential = { law = `spring`; "
          "};" SCENE,
          "tangential: law \"mindlin\" and k_s follow from material; keep one",
@@ -87,7 +87,7 @@ static void names(void)
     static const wrong_scene cases[] = {
         {"let = { r = 0.1; };" SCENE, "let r: r already stands for something in `add` of a phase (radius of",
          "let = { R = 0.1; };" SCENE},
-        {"let = { touch = 0.1; };" SCENE, "`add` of a phase (lowest place", NULL},
+        {"let = { touch = 0.1; };" SCENE, "`add` of a phase (height of first contact", NULL},
         {"let = { t = 0.1; };" SCENE, "in every expression (time since the phase began)", NULL},
         {"let = { d = 0.1; };" SCENE, "in every expression (the diameter of the mean grain)", NULL},
         {"let = { pi = 3.0; };" SCENE, "in every expression (the number pi)", NULL},
@@ -145,7 +145,7 @@ static void numbers(void)
         {"rotation = yes;" SCENE, "syntax error", "rotation = true;" SCENE},
         {"rotation = `yes`;" SCENE, "rotation = \"yes\"", NULL},
         {"units = `mks`;" SCENE, "units = \"mks\": unknown word, allowed: cgs | si | sigma", NULL},
-        {"let = { v = { value = 1.0; unit = `m/s`; }; };" SCENE, "unit = m/s: the text's units are cgs; cm/s",
+        {"let = { v = { value = 1.0; unit = `m/s`; }; };" SCENE, "unit = m/s: the file's units are cgs; cm/s",
          NULL},
         {"dt = 1;" FLOOR "fill = { N = 3; W = 4.0; H = 4.0; };", "dt = 1: too large for", NULL},
         {PRESSED, "compressed = true if this is meant", "compressed = true;" PRESSED},
@@ -178,6 +178,9 @@ static void tables(void)
         {"# vtk DataFile Version 3.0\n", "is a VTK file"},
         {"<?xml version=\"1.0\"?>\n", "is an XML file"},
         {"{\"x\": [1, 2]}\n", "is a JSON file"},
+        {"2\nLattice=\"4 0 0\"\nC 0 0.5 0\nC 1 0.5 0\n", "t.tsv: is an XYZ file; a table expected"},
+        {"2\r\n\r\n1\t0\t0.5\t0\r\n1\t1\t0.5\t0\r\n", "t.tsv: is an XYZ file"},
+        {"\x89PNG\r\n", "t.tsv: is a picture; a table expected"},
         {"x\ty\tr\n0,0\t0,5\t0,1\n",
          "\"0,0\" is not a finite number; decimal commas? write points, as in 0.5"},
         {"x y r\n0,0 0,5 0,1\n", "decimal commas? write points"},
@@ -188,13 +191,24 @@ static void tables(void)
         {"id type x y radius\n1 1 0 0.5 0.1\n", "no column \"r\"; expected header: x y r, and m vx vy angle "
                                                 "omega fixed as needed; found: id type x y radius"},
         {"x y r\n0 0.5 -0.1\n", "t.tsv:2: r = -0.1: out of range, allowed: (0, inf) cm"},
-        {"# units: m\tm\tm\nx\ty\tr\n0\t0.5\t0.1\n", "column 1: unit = m: the text's units are cgs; cm"},
+        {"# units: m\tm\tm\nx\ty\tr\n0\t0.5\t0.1\n", "column 1: unit = m: the file's units are cgs; cm"},
         {"x y r\n", "t.tsv: no particles"}};
     put("s.cfg", TABLE);
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         write_text("t.tsv", "%s", cases[k][0]);
         FAILS(65, cases[k][1], "run s.cfg");
     }
+    /* bytes that no text has, and wherever a table is read */
+    SHELL("printf '\\377\\330\\377\\340\\0\\20JFIF' >t.tsv; printf 'PK\\3\\4\\0' >t.ods; printf '2\\n\\nC 0 "
+          "0.5 0\\nC 1 "
+          "0.5 0\\n' >t.xyz");
+    FAILS(65, "t.tsv: is a picture; a table expected", "run s.cfg");
+    FAILS(65, "t.ods: is an archive or spreadsheet", "stats select t.ods");
+    FAILS(65, "t.xyz: is an XYZ file", "view t.xyz -o p.svg");
+    FAILS(65, "t.xyz: is an XYZ file", "angle slope t.xyz");
+    FAILS(65, "t.xyz: is an XYZ file", "export t.xyz --to lammps -o t.dump");
+    write_text("t.txt", "5\n3\n4\n"); /* one column of numbers is a table */
+    GOOD("stats select t.txt --columns 1");
     /* what the messages tell to do */
     write_text("t.csv", "x;y;r\n0,0;0,5;0,1\n");
     SHELL("tr ';,' '\\t.' <t.csv >t.tsv");
@@ -258,6 +272,45 @@ static void errors(void)
                  "= `a`; take = `rate`; } );\n");
     PRINTS("10 values: at least 16 needed", "run s.cfg");
     PRINTS("10 samples: more than 20 needed, or 10 passes", "run s.cfg");
+    put("s.cfg",
+        "let = { v = 1.0; }; dt = 1e-4; gravity = [0.0, 0.0]; particles = ( { x = 1.0; y = 1.0; r = "
+        "0.1; } );\n"
+        "phases = ( { name = `b`; repeat = 2; phases = ( { name = `a`; steps = 100; every = 10; } ); } "
+        ");\n"
+        "measure = ( { name = `rise`; of = `v*time`; during = `a`; take = `rate`; },\n"
+        "  { name = `fall`; of = `-floor(time/0.015)`; during = `a`; take = `avalanches`; drop = 0.5; "
+        "},\n"
+        "  { name = `line`; of = `v*time`; at = `a`; take = `line`; against = `time`; } );\n");
+    PRINTS("\nrise_se\tnan\t-\tstandard error of the rate, from ten blocks of v*time, during a; 2 passes: at "
+           "least 10 needed\n",
+           "run s.cfg");
+    PRINTS("; one avalanche: at least 2 needed for an error\n", "run s.cfg");
+    PRINTS("; 2 samples: at least 3 needed for an error\n", "run s.cfg");
+    const char *const note = "# errors: nan where a mean is of one result; at least 2 needed\n";
+    put("w.cfg", "experiment = `s.cfg`; replicas = 1; seed = 1; grid = { v = [1.6, 2.0]; };\n");
+    GOOD("sweep make w.cfg -o w --quiet");
+    PRINTS(note, "sweep export w --reduce");
+    PRINTS("# short series: 2 runs have nan as an _se; after repose run FILE --row N -o DIR, repose run "
+           "DIR/scene.cfg says why\n",
+           "sweep export w");
+    GOOD("run w.cfg --row 1 -o wr"); /* as the line says */
+    PRINTS("; 2 passes: at least 10 needed\n", "run wr/scene.cfg");
+    GOOD("sweep export w");
+    CU_ASSERT(!strstr(out, "# errors"));
+    GOOD("sweep make w.cfg -o w --quiet --replicas 2");
+    GOOD("sweep export w --reduce");
+    CU_ASSERT(!strstr(out, "# errors"));
+    write_text("two.tsv", "# x\ty\ts\n1\t2\t1\n2\t3\t1\n");
+    PRINTS("# errors: nan; at least 3 rows needed\n", "stats fit two.tsv -x x -y y");
+    PRINTS("# errors: p_value is nan; at least 3 rows needed\n", "stats fit two.tsv -x x -y y --se s");
+    write_text("g.tsv",
+               "# x\ty\tg\tstatus\n1\t2\ta\tok\n2\t3\ta\tok\n3\t3.5\ta\tok\n1\t2\tb\tok\n2\t3\tb\tok\n");
+    const char *const group =
+        "# no_result: b: no trend: 2 values at 2 different x; at least 3 values at 2 x needed\n";
+    PRINTS(group, "stats trend g.tsv -x x -y y --by g");
+    PRINTS(group, "stats size g.tsv -x x -y y --by g");
+    write_text("one.tsv", "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n0.2\t18\t5\tok\n");
+    PRINTS("# errors: mu = 0.2 has one pile; at least 2 needed\n", "angle compare one.tsv");
 }
 
 static void sweeps(void)

@@ -81,11 +81,14 @@ void cli_say(const char *format, ...) __attribute__((format(printf, 1, 2)));
       "use only rows that meet a condition, such as floor=ends, W != 4 or x > 1 and y <= 2*x; may be "       \
       "repeated")
 #define CLI_BY(X, fallback, what)                                                                            \
-    X(TEXT, by, "", fallback, "", "columns (a or a,b,...) whose different values make the " what)
+    X(TEXT, by, "", fallback, "",                                                                            \
+      "columns (a or a,b,...): rows with equal values in them form one of the " what)
 #define CLI_RANGE(X, what)                                                                                   \
-    X(REAL, from, "", "-1e308", "(-inf, inf)", "smallest " what " that is used")                             \
-    X(REAL, to, "", "1e308", "(-inf, inf)", "largest " what " that is used")
-#define CLI_PHI(X)     X(REAL, phi_deg, "deg", "60", "(0, 90)", "inclination of the rays of force")
+    X(REAL, from, "", "none", "(-inf, inf) | none", "smallest " what " that is used")                        \
+    X(REAL, to, "", "none", "(-inf, inf) | none", "largest " what " that is used")
+#define CLI_RANGE_OF(o) ((double[]){isinf((o)->from) ? -INFINITY : (o)->from, (o)->to})
+#define CLI_PHI(X)                                                                                           \
+    X(REAL, phi_deg, "deg", "60", "(0, 90)", "inclination of the rays of force to the horizontal")
 #define CLI_WORKERS(X) X(INT, j, "", "auto", "[1, 4096] | auto", "worker processes; auto: one per processor")
 #define CLI_LIMITS(X)                                                                                        \
     X(REAL, mem, "MB", "infinite", "(0, inf) | infinite", "memory limit of one run")                         \
@@ -182,9 +185,7 @@ rp_status cli_claim_sweep(const char *directory, const char *file, bool force);
 /* Plan it there, with progress. Errors: those of sweep_prepare. */
 rp_status cli_sweep_plan(const char *file, const char *directory, size_t replicas, bool quiet,
                          sweep_counts *counts);
-#define CLI_FORCE(X)                                                                                         \
-    X(BOOL, force, "", "false", "",                                                                          \
-      "replace an existing file or result, or give the folder to a different sweep")
+#define CLI_FORCE(X, what) X(BOOL, force, "", "false", "", what)
 
 /* One degree in radians, and the number of an array's elements. */
 static const double deg = M_PI / 180.0;

@@ -18,8 +18,10 @@ const char *cli_option_text(rp_arena *arena, const rp_param *p)
     const bool known = p->fallback && *p->fallback && p->type != RP_BOOL;
     if (known) open = " (default ", close = ")";
     if (!p->fallback) open = " (required)";
-    return rp_text(arena, "%s%s%s%s%s%s%s%s", p->meaning, *p->unit ? ", " : "", p->unit, separator,
-                   *separator ? p->range : "", open, known ? p->fallback : "", close);
+    const int said = (int)strcspn(p->meaning, ";"); /* what it is, then its unit, then what its words mean */
+    return rp_text(arena, "%.*s%s%s%s%s%s%s%s%s%s", said, p->meaning, *p->unit ? " [" : "", p->unit,
+                   *p->unit ? "]" : "", p->meaning + said, separator, *separator ? p->range : "", open,
+                   known ? p->fallback : "", close);
 }
 
 const char *cli_own_name(const cli_command *c)

@@ -34,19 +34,19 @@ RP_C_BEGIN
       dem_scheme_gear5)                                                                                      \
     X(DEM_IMPLICIT, implicit,                                                                                \
       "implicit midpoint, which conserves energy at any dt (Liffman, Chan & Hughes 1992, eq (24)), "         \
-      "without rotation and shear springs; walls are whole lines that stand",                                \
+      "without rotation and tangential springs; walls are infinite lines at rest",                           \
       dem_scheme_implicit)
 typedef enum { DEM_INTEGRATOR_LIST(DEM_ID) } dem_integrator;
 enum { DEM_INTEGRATORS = DEM_INTEGRATOR_LIST(DEM_ONE) };
 
 /* Instances of the loops, all with the same bits. */
 #define DEM_KERNEL_LIST(X)                                                                                   \
-    X(DEM_FAST, fast, "the widest that this processor runs")                                                 \
+    X(DEM_FAST, fast, "the widest that this processor supports")                                             \
     X(DEM_REFERENCE, reference,                                                                              \
-      "by one, with laws known at run time alone: the others are compared with it")                          \
-    X(DEM_BASELINE, baseline, "by one, for any processor")                                                   \
-    X(DEM_AVX2, avx2, "by four, with AVX2")                                                                  \
-    X(DEM_AVX512, avx512, "by eight, with AVX-512")
+      "one contact at a time, with laws looked up at run time: the others are tested against it")            \
+    X(DEM_BASELINE, baseline, "one contact at a time, for any processor")                                    \
+    X(DEM_AVX2, avx2, "four at a time, with AVX2")                                                           \
+    X(DEM_AVX512, avx512, "eight at a time, with AVX-512")
 typedef enum { DEM_KERNEL_LIST(DEM_ID) DEM_KERNELS } dem_kernel_choice;
 
 /* A wall through `point`; `direction` is its unit normal. `extent` holds the ends along the tangent (normal
@@ -86,9 +86,9 @@ enum { DEM_MOST_GRAINS = 100000000 };
  * -mu_static N (s - s0)/a, none beyond a half-width a: there the well is broken, until the contact ends.
  * `set` says when a grain gets its s0. */
 #define DEM_WELL_SETS(X)                                                                                     \
-    X(DEM_WELL_TOUCH, touch, "at first touch")                                                               \
+    X(DEM_WELL_TOUCH, touch, "at first contact")                                                             \
     X(DEM_WELL_REST, rest,                                                                                   \
-      "once the grain is at rest along the ground: it slows down, and the well is deep enough to hold it, "  \
+      "once the grain is at rest along the ground: it decelerates, and the well is deep enough to hold it, " \
       "m v_s^2 + I omega^2 <= mu_static F_n a")                                                              \
     X(DEM_WELL_AGAIN, again, "at rest, and again after each break")
 typedef enum { DEM_WELL_SETS(DEM_ID) } dem_well_set;
@@ -111,8 +111,8 @@ typedef struct {
 #define DEM_SOLVERS(X)                                                                                       \
     X(DEM_SOLVER_DIRECT, direct, "Newton's method by sparse factorisation")                                  \
     X(DEM_SOLVER_SOR, sor,                                                                                   \
-      "sweeps grain by grain, each by the part `relaxation` of its own Newton step (Liffman, Chan & Hughes " \
-      "1992, who take 0.5 to 0.9)")
+      "sweeps grain by grain, each by the fraction `relaxation` of its own Newton step (Liffman, Chan & "    \
+      "Hughes 1992, who take 0.5 to 0.9)")
 typedef enum { DEM_SOLVERS(DEM_ID) } dem_solver;
 typedef struct {
     dem_solver solver;

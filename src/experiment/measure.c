@@ -174,8 +174,10 @@ static rp_status rate(const exp_samples *s, rp_arena *arena, double out[])
             for (n = 0; n < BLOCKS; n++)
                 rates[n] = rate_between(&s->at[last * n / BLOCKS], &s->at[last * (n + 1) / BLOCKS]);
     }
-    if (n == 1 && last < 2 * BLOCKS) /* of the error, which the rate does not need */
+    /* why there is no error, which the rate does not need */
+    if (n == 1 && last < 2 * BLOCKS)
         rp_fail(RP_NO_RESULT, "%zu samples: more than %d needed, or %d passes", s->n, 2 * BLOCKS, BLOCKS);
+    if (n > 1 && n < BLOCKS) rp_fail(RP_NO_RESULT, "%zu passes: at least %d needed", n, BLOCKS);
     if (n < BLOCKS) return RP_OK;
     if (!stats_mean(n, rates, &all)) out[1] = all.se;
     return RP_OK;
@@ -223,6 +225,7 @@ static rp_status avalanches(const exp_measure *m, const exp_samples *s, double o
         end = end_of_pass(s, i), add_falls(m, &s->at[i], &s->at[end], &f);
     out[0] = f.n;
     if (f.n == 0.0) return rp_fail(RP_NO_RESULT, "no avalanche in %zu samples", s->n);
+    if (f.n == 1.0) rp_fail(RP_NO_RESULT, "one avalanche: at least 2 needed for an error");
     for (int k = 0; k < 2; k++) { /* mean and its standard error */
         const double about_mean = fmax(f.squares[k] - f.sums[k] * f.sums[k] / f.n, 0.0);
         out[1 + 2 * k] = f.sums[k] / f.n;
@@ -244,6 +247,7 @@ static rp_status straight(const exp_samples *s, bool is_series, double v[], doub
     for (size_t i = 0; i < s->n; i++) v[i] -= line.intercept + line.slope * x[i];
     if (is_series && stats_blocking(s->n, v, x, &series)) return RP_OK;
     const double factor = sqrt(fmax(2.0 * series.tau, 1.0));
+    if (line.dof == 0) rp_fail(RP_NO_RESULT, "%zu samples: at least 3 needed for an error", s->n);
     if (line.dof > 0) out[2] = factor * line.intercept_se, out[3] = factor * line.slope_se;
     return RP_OK;
 }

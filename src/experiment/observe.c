@@ -376,50 +376,50 @@ static double wall_force(exp_run *run, const exp_use *use, int component)
     X(OF_RUN, step, 0, 0, RP_X_NUMBER, "", "steps since the start", (double)run->at.steps) \
     X(OF_RUN, phase_step, 0, 0, RP_X_NUMBER, "", "steps since the phase began", (double)(run->at.phase_step + run->ahead)) \
     X(OF_RUN, pass, 0, 0, RP_X_NUMBER, "", "number of the block's pass, from 1", (double)run->at.pass) \
-    X(OF_RUN, tilt_deg, 0, 0, RP_X_NUMBER, "degree", "turn of gravity against the box so far; positive lowers +x", run->at.now.tilt) \
-    X(OF_RUN, out, 0, 0, RP_X_NUMBER, "", "grains taken out so far", (double)(run->at.grains0 + run->at.now.added) - (double)dem_count(run->sim)) \
-    X(OF_RUN, out_mass, 0, 0, RP_X_NUMBER, "g", "their mass", mass_taken_out(run)) \
-    X(OF_RUN, added, 0, 0, RP_X_NUMBER, "", "grains put in so far", (double)run->at.now.added) \
-    X(OF_RUN, touched, 0, 0, RP_X_TRUTH, "", "whether the last that was put in has had a contact at a look", run->at.now.touched) \
+    X(OF_RUN, tilt_deg, 0, 0, RP_X_NUMBER, "degree", "rotation of gravity relative to the box so far; positive lowers the side at +x", run->at.now.tilt) \
+    X(OF_RUN, out, 0, 0, RP_X_NUMBER, "", "grains removed so far", (double)(run->at.grains0 + run->at.now.added) - (double)dem_count(run->sim)) \
+    X(OF_RUN, out_mass, 0, 0, RP_X_NUMBER, "g", "mass of the removed grains", mass_taken_out(run)) \
+    X(OF_RUN, added, 0, 0, RP_X_NUMBER, "", "grains inserted so far", (double)run->at.now.added) \
+    X(OF_RUN, touched, 0, 0, RP_X_TRUTH, "", "whether the grain inserted last has had a contact at a check", run->at.now.touched) \
     X(OF_RUN, elastic, 0, 0, RP_X_NUMBER, "erg", "elastic energy of all contacts", elastic_energy(run)) \
     X(OF_PART, grains, 0, 0, RP_X_NUMBER, "", "number of grains, those of a region by their centres", SUM(n)) \
-    X(OF_PART, mass, 0, 0, RP_X_NUMBER, "g", "their mass; of those that the boundary of a region cuts, the share of their area within", content(run, use, true)) \
+    X(OF_PART, mass, 0, 0, RP_X_NUMBER, "g", "mass of the grains; of grains cut by the boundary of a region, the part inside", content(run, use, true)) \
     X(OF_PART, whole_mass, 0, 0, RP_X_NUMBER, "g", "mass of the grains, those of a region by their centres", SUM(mass)) \
-    X(OF_PART, energy, 0, 0, RP_X_NUMBER, "erg", "mean kinetic energy of a grain, of translation and spin, 0 without grains", rest_of(run, use).kinetic_energy) \
+    X(OF_PART, energy, 0, 0, RP_X_NUMBER, "erg", "mean kinetic energy of a grain, translational and rotational; 0 without grains", rest_of(run, use).kinetic_energy) \
     X(OF_PART, kinetic, 0, 0, RP_X_NUMBER, "erg", "sum of the kinetic energies", SUM(kinetic)) \
     X(OF_PART, speed, 0, 0, RP_X_NUMBER, "cm/s", "largest speed of a centre", largest_speed(run, use)) \
-    X(OF_PART, spin, 0, 0, RP_X_NUMBER, "cm/s", "largest speed at a rim by spin", SUM(spin)) \
+    X(OF_PART, spin, 0, 0, RP_X_NUMBER, "cm/s", "largest speed of a rim by rotation", SUM(spin)) \
     X(OF_PART, force, 0, 0, RP_X_NUMBER, "dyn", "largest net force on a grain with a contact", rest_of(run, use).net_force) \
-    X(OF_PART, imbalance, 0, 0, RP_X_NUMBER, "", "largest net force on a grain over its weight, or torque over weight times radius; 1 of one that falls freely", SUM(imbalance)) \
-    X(OF_PART, contacts, 0, 0, RP_X_NUMBER, "", "mean contacts of a grain", rest_of(run, use).contact_number) \
-    X(OF_PART, rattlers, 0, 0, RP_X_NUMBER, "", "share of the grains with fewer than two contacts", SUM(few)) \
-    X(OF_PART, x, 0, 0, RP_X_NUMBER, "cm", "centre of mass", SUM(x)) \
-    X(OF_PART, y, 0, 0, RP_X_NUMBER, "cm", "centre of mass", SUM(y)) \
-    X(OF_PART, vx, 0, 0, RP_X_NUMBER, "cm/s", "its velocity", SUM(vx)) \
-    X(OF_PART, vy, 0, 0, RP_X_NUMBER, "cm/s", "its velocity", SUM(vy)) \
+    X(OF_PART, imbalance, 0, 0, RP_X_NUMBER, "", "largest net force on a grain over its weight, or torque over weight times radius; 1 for a grain in free fall", SUM(imbalance)) \
+    X(OF_PART, contacts, 0, 0, RP_X_NUMBER, "", "mean number of contacts of a grain", rest_of(run, use).contact_number) \
+    X(OF_PART, rattlers, 0, 0, RP_X_NUMBER, "", "fraction of the grains with fewer than two contacts", SUM(few)) \
+    X(OF_PART, x, 0, 0, RP_X_NUMBER, "cm", "x of the centre of mass", SUM(x)) \
+    X(OF_PART, y, 0, 0, RP_X_NUMBER, "cm", "y of the centre of mass", SUM(y)) \
+    X(OF_PART, vx, 0, 0, RP_X_NUMBER, "cm/s", "velocity of the centre of mass along x", SUM(vx)) \
+    X(OF_PART, vy, 0, 0, RP_X_NUMBER, "cm/s", "velocity of the centre of mass along y", SUM(vy)) \
     X(OF_PART, height, 0, 0, RP_X_NUMBER, "cm", "highest point of a grain, 0 without grains", SUM(top)) \
     X(OF_PART, left, 0, 0, RP_X_NUMBER, "cm", "leftmost point, 0 without grains", SUM(left)) \
     X(OF_PART, right, 0, 0, RP_X_NUMBER, "cm", "rightmost point, 0 without grains", SUM(right)) \
-    X(OF_PART, marked, 0, 0, RP_X_NUMBER, "", "grains whose position is marked, by where that is, taken out since or not", marked(run, use)) \
-    X(OF_PART, moved, 1, 2, RP_X_NUMBER, "", "moved(s, k): marked grains farther than s from their mark, with k contacts or more, and those taken out", moved(run, use, args)) \
-    X(OF_PART, cells, 0, 0, RP_X_NUMBER, "", "columns of about d that hold a grain", cells(run, use)) \
-    X(OF_PART, rest, 0, 0, RP_X_TRUTH, "", "whether the grains are at rest, by several looks in a row", is_at_rest(run, use)) \
-    X(OF_PART, sliding, 0, 0, RP_X_NUMBER, "", "share of the contacts that press, have friction, and whose shear force is within 1e-3 of Coulomb's limit; the module limit asks their springs", sliding(run, use)) \
-    X(OF_REGION, sxx, 0, 0, RP_X_NUMBER, "dyn/cm", "stress: sum of branch vector times force over area, of contacts whose branch has its middle there; compression positive", over_contacts(run, use).xx / area_now(run, use)) \
-    X(OF_REGION, sxy, 0, 0, RP_X_NUMBER, "dyn/cm", "its mixed component, the mean of the two", over_contacts(run, use).xy / area_now(run, use)) \
+    X(OF_PART, marked, 0, 0, RP_X_NUMBER, "", "grains with a mark, by the position of the mark; removed ones count", marked(run, use)) \
+    X(OF_PART, moved, 1, 2, RP_X_NUMBER, "", "moved(s, k): marked grains farther than s from their mark, with k contacts or more, and removed ones", moved(run, use, args)) \
+    X(OF_PART, cells, 0, 0, RP_X_NUMBER, "", "surface bins, about d wide, that hold a grain", cells(run, use)) \
+    X(OF_PART, rest, 0, 0, RP_X_TRUTH, "", "whether the grains are at rest, by several successive checks", is_at_rest(run, use)) \
+    X(OF_PART, sliding, 0, 0, RP_X_NUMBER, "", "fraction of the contacts that are compressed, have friction, and whose tangential force is within 1e-3 of Coulomb's limit; the module limit tests their springs instead", sliding(run, use)) \
+    X(OF_REGION, sxx, 0, 0, RP_X_NUMBER, "dyn/cm", "stress: sum of branch vector times force over area, of contacts whose branch has its middle in the region; compression is positive", over_contacts(run, use).xx / area_now(run, use)) \
+    X(OF_REGION, sxy, 0, 0, RP_X_NUMBER, "dyn/cm", "its mixed component, the mean of xy and yx", over_contacts(run, use).xy / area_now(run, use)) \
     X(OF_REGION, syy, 0, 0, RP_X_NUMBER, "dyn/cm", "its component along y", over_contacts(run, use).yy / area_now(run, use)) \
-    X(OF_REGION, fraction, 0, 0, RP_X_NUMBER, "", "area of the grains over that of the region; of those that its boundary cuts, the part within", content(run, use, false) / area_now(run, use)) \
-    X(OF_WALL, x, 0, 0, RP_X_NUMBER, "cm", "middle of the wall by its length, nan of one that is gone; of one without an end its point", wall_place(run, use, 0)) \
-    X(OF_WALL, y, 0, 0, RP_X_NUMBER, "cm", "middle of the wall by its length, nan of one that is gone; of one without an end its point", wall_place(run, use, 1)) \
-    X(OF_WALL, vx, 0, 0, RP_X_NUMBER, "cm/s", "its velocity, in a box that turns 0", wall_now(run, use, 0).velocity[0]) \
-    X(OF_WALL, vy, 0, 0, RP_X_NUMBER, "cm/s", "its velocity, in a box that turns 0", wall_now(run, use, 0).velocity[1]) \
-    X(OF_WALL, angle, 0, 0, RP_X_NUMBER, "rad", "turned in the box since the start, counter-clockwise", wall_now(run, use, 0).angle) \
+    X(OF_REGION, fraction, 0, 0, RP_X_NUMBER, "", "solid fraction: area of the grains over that of the region; of grains cut by its boundary, the part inside", content(run, use, false) / area_now(run, use)) \
+    X(OF_WALL, x, 0, 0, RP_X_NUMBER, "cm", "x of the middle of the wall, nan once it has opened; for an infinite wall, of its point", wall_place(run, use, 0)) \
+    X(OF_WALL, y, 0, 0, RP_X_NUMBER, "cm", "y of the middle of the wall, nan once it has opened; for an infinite wall, of its point", wall_place(run, use, 1)) \
+    X(OF_WALL, vx, 0, 0, RP_X_NUMBER, "cm/s", "velocity of the wall along x; 0 in a turning box", wall_now(run, use, 0).velocity[0]) \
+    X(OF_WALL, vy, 0, 0, RP_X_NUMBER, "cm/s", "velocity of the wall along y; 0 in a turning box", wall_now(run, use, 0).velocity[1]) \
+    X(OF_WALL, angle, 0, 0, RP_X_NUMBER, "rad", "rotation in the box since the start, counter-clockwise", wall_now(run, use, 0).angle) \
     X(OF_WALL, torque, 0, 0, RP_X_NUMBER, "dyn cm", "torque of the grains on it about its pivot", wall_torque(run, use)) \
-    X(OF_WALL, fx, 0, 0, RP_X_NUMBER, "dyn", "force of the grains on it, without impulses of hard collisions", wall_force(run, use, 0)) \
-    X(OF_WALL, fy, 0, 0, RP_X_NUMBER, "dyn", "force of the grains on it, without impulses of hard collisions", wall_force(run, use, 1)) \
-    X(OF_NEW, r, 0, 0, RP_X_NUMBER, "cm", "radius of the grain that is put in", run->grain.r) \
-    X(OF_NEW, y, 0, 0, RP_X_NUMBER, "cm", "its centre", run->grain.y) \
-    X(OF_NEW, touch, 0, 0, RP_X_NUMBER, "cm", "lowest place above which it meets nothing", run->grain.touch)
+    X(OF_WALL, fx, 0, 0, RP_X_NUMBER, "dyn", "force of the grains on it along x, without rigid-body impulses", wall_force(run, use, 0)) \
+    X(OF_WALL, fy, 0, 0, RP_X_NUMBER, "dyn", "force of the grains on it along y, without rigid-body impulses", wall_force(run, use, 1)) \
+    X(OF_NEW, r, 0, 0, RP_X_NUMBER, "cm", "radius of the inserted grain", run->grain.r) \
+    X(OF_NEW, y, 0, 0, RP_X_NUMBER, "cm", "y of its centre", run->grain.y) \
+    X(OF_NEW, touch, 0, 0, RP_X_NUMBER, "cm", "height of first contact of a grain lowered from above, falling grains included", run->grain.touch)
 /* clang-format on */
 #define FUNCTION(of, name, least, most, type, unit, meaning, value)                                          \
     static double of##_##name(exp_run *run, const exp_use *use, const double args[])                         \

@@ -103,15 +103,16 @@ static rp_status read_regions(exp_plan *plan)
 #define REST(field)   offsetof(exp_plan, rest.field)
 #define TEXT(number)  TEXT_(number)
 #define TEXT_(number) #number
-static const rp_param rest_schema[] = {
-    {"energy", "m g d", RP_REAL, REST(energy), TEXT(DEM_REST_ENERGY), "(0, inf)",
-     "largest mean kinetic energy of a grain"},
-    {"force", "m g", RP_REAL, REST(force), TEXT(DEM_REST_FORCE), "(0, inf)",
-     "largest net force on a grain with a contact"},
-    {"looks", "", RP_INT, REST(looks), TEXT(DEM_REST_LOOKS), "[1, 1000000]", "in a row that find both"},
-    {"every", "steps", RP_INT, REST(every), TEXT(DEM_REST_STEPS), "[1, 1000000000]",
-     "least distance of two looks"},
-    {0}};
+static const rp_param rest_schema[] = {{"energy", "m g d", RP_REAL, REST(energy), TEXT(DEM_REST_ENERGY),
+                                        "(0, inf)", "largest mean kinetic energy of a grain"},
+                                       {"force", "m g", RP_REAL, REST(force), TEXT(DEM_REST_FORCE),
+                                        "(0, inf)", "largest net force on a grain with a contact"},
+                                       {"looks", "", RP_INT, REST(looks), TEXT(DEM_REST_LOOKS),
+                                        "[1, 1000000]",
+                                        "number of successive checks at which both must hold"},
+                                       {"every", "steps", RP_INT, REST(every), TEXT(DEM_REST_STEPS),
+                                        "[1, 1000000000]", "smallest interval between two of these checks"},
+                                       {0}};
 
 /* A word, or an expression of one. */
 static rp_status read_result(exp_plan *plan)
@@ -175,7 +176,7 @@ static rp_status read(exp_plan *plan)
     RP_TRY(rp_prefix(status, "%s: ", text->path));
     if (config_lookup(&text->config, "steps"))
         return rp_config_fail(config_lookup(&text->config, "steps"),
-                              "steps: a text with phases ends with their last");
+                              "steps: an experiment ends with its last phase");
     RP_TRY(read_result(plan));
     RP_NEW(&plan->arena, plan->scopes,
            plan->scene.def.n_walls + plan->scene.n_fills +
@@ -232,23 +233,22 @@ const exp_output *exp_outputs(const exp_plan *plan, size_t *n)
 
 const dem_scene_group exp_groups[] = {
     {"phases", exp_phase_schema,
-     "a list, in its order: name; one of steps (a number), time (s), until (a condition, looked at every "
+     "a list, in its order: name; one of steps (a number), time (s), until (a condition, checked every "
      "`every` steps); if (a condition of lets); fail = { word = \"condition\"; }. From here on: gravity = "
      "(gx, gy); gravity_turn_deg_per_step; box_turn_deg_per_step; dt; x_min; x_max; y_min; normal; "
-     "tangential; "
-     "rolling; walls = { NAME = { velocity = (vx, vy); omega; load_x; load_y; speed; coefficients }; }. A "
-     "wall under a load moves by M dv/dt = load + force of the grains, |v| <= speed, M being a tenth of the "
-     "total grain mass, at least that of ten grains. New grains: add = { N; kind; r, or radii as of a fill; "
-     "density; x; y; vx; vy; omega; gap; }. A block has phases of its own, and repeat or until"},
+     "tangential; rolling; walls = { NAME = { velocity = (vx, vy); omega; load_x; load_y; speed; "
+     "coefficients }; }. A wall under a load moves by M dv/dt = load + force of the grains, |v| <= speed, M "
+     "being a tenth of the total grain mass, at least that of ten grains. New grains: add = { N; kind; r, or "
+     "the keys of radii as in a fill; density; x; y; vx; vy; omega; gap; }. A block is a phase with a list "
+     "`phases` of its own, and repeat "
+     "or until"},
     {"measure", exp_measure_schema,
      "a list of columns: name; of (an expression, a module or MODULE.OUTPUT); at or during a phase; when (a "
      "condition, of samples); event (a condition, of avalanches); against (an expression, of a line); if (a "
-     "condition of lets); columns = [\"NAME\", ...] (the first of its columns, "
-     "by these names)"},
+     "condition of lets); columns = [\"NAME\", ...] (names of the first of its columns)"},
     {"regions", exp_no_keys,
      "NAME = { x = (from, to); y = (from, to); }, { circle = (x, y, radius); } or { polygon = ( (x, y), ... "
-     "); "
-     "}, in the box's frame, by expressions"},
+     "); }, in the box frame; all numbers may be expressions"},
     {"require", exp_no_keys,
      "( (\"condition\", \"message\"), ... ): what must hold of the lets; asked before anything runs"},
     {"rest", rest_schema, "what the condition `rest` asks, in m, |g| and d of the mean grain"},

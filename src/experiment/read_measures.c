@@ -10,31 +10,31 @@
 
 #define IN(field) offsetof(exp_measure, field)
 const rp_param exp_measure_schema[] = {
-    {"name", "", RP_TEXT, IN(name), NULL, "", "of the column"},
+    {"name", "", RP_TEXT, IN(name), NULL, "", "name of the column"},
     {"at", "", RP_TEXT, IN(at), "", "",
-     "phase at whose end, the mean over its passes if it is repeated; default: the last that is not left "
-     "out"},
-    {"during", "", RP_TEXT, IN(during), "", "", "phase that is sampled"},
+     "phase at whose end it is measured (for a repeated phase, the mean over its passes); default: the last "
+     "phase that is not left out"},
+    {"during", "", RP_TEXT, IN(during), "", "", "phase during which samples are taken"},
     {"take", "", RP_CHOICE, IN(take), "value", EXP_TAKES,
-     "what is made of samples; a rate is the mean of those of the passes; default: value, or the mean during "
-     "a phase"},
+     "what is computed from the samples; a rate is the mean of the rates of the passes; default: value with "
+     "`at`, mean with `during`"},
     {"every", "steps", RP_INT, IN(every), "auto", "[1, 1000000000] | auto",
-     "from sample to sample; auto: the phase's looks"},
+     "interval between samples; auto: at the checks of the phase"},
     {"skip", "", RP_REAL, IN(skip), "0", "[0, 1) | level",
-     "share of the samples that is left out, the first ones of each pass; level: until they level off"},
+     "fraction of the samples of each pass that is left out at its start; level: until they level off"},
     {"level_of", "", RP_TEXT, IN(level_of), "", "",
-     "earlier measure of the same phase: as many samples are left out as of that"},
-    {"series", "", RP_BOOL, IN(series), "false", "", "whether to write a table of the samples too"},
+     "earlier measure of the same phase; as many samples are left out as for that one"},
+    {"series", "", RP_BOOL, IN(series), "false", "", "whether the samples are also written as a table"},
     {"optional", "", RP_BOOL, IN(optional), "false", "",
-     "whether a run is good without it; a module's sample without a value is then left out"},
+     "whether a run without it is ok; a module's sample without a value is then left out"},
     {"drop", "", RP_REAL, IN(drop), "none", "(0, inf) | none",
-     "least fall that is an avalanche; none: samples with `event`"},
-    {"unit", "", RP_TEXT, IN(unit), "", "", "of the column"},
-    {"meaning", "", RP_TEXT, IN(meaning), "", "", "of the first column"},
+     "smallest fall that counts as an avalanche; none: samples at which `event` holds"},
+    {"unit", "", RP_TEXT, IN(unit), "", "", "unit of the column"},
+    {"meaning", "", RP_TEXT, IN(meaning), "", "", "meaning of the first column"},
     {"prefix", "", RP_TEXT, IN(prefix), "auto", "",
-     "of a module: what its columns' names begin with, which may be nothing; auto: the measure's name"},
-    {"in", "", RP_TEXT, IN(in), "", "", "region of a module's grains"},
-    {"wall", "", RP_TEXT, IN(wall), "", "", "wall of the modules base and forces"},
+     "for a module: beginning of its columns' names, which may be empty; auto: the measure's name"},
+    {"in", "", RP_TEXT, IN(in), "", "", "region whose grains a module uses"},
+    {"wall", "", RP_TEXT, IN(wall), "", "", "wall that the modules base and forces use"},
     {0}};
 
 const char exp_measure_keys[] = "of when if event columns against";
@@ -45,7 +45,8 @@ static const exp_output takes[][MOST_OUTPUTS + 1] = {
     [TAKE_VALUE] = {{"", NULL, ""}},
     [TAKE_MEAN] = {{"", NULL, "mean"},
                    {"_sd", NULL, "standard deviation of the samples"},
-                   {"_se", NULL, "standard error of the mean, by blocking (of few blocks by Student's t)"},
+                   {"_se", NULL,
+                    "standard error of the mean, by blocking (by Student's t if there are few blocks)"},
                    {"_n", NULL, "decorrelated samples"}},
     [TAKE_MAX] = {{"", NULL, "max"}},
     [TAKE_MIN] = {{"", NULL, "min"}},
@@ -53,14 +54,14 @@ static const exp_output takes[][MOST_OUTPUTS + 1] = {
     [TAKE_RATE] = {{"", NULL, "change over time"},
                    {"_se", NULL, "standard error of the rate, from ten blocks"}},
     [TAKE_AVALANCHES] = {{"_n", NULL, "avalanches"},
-                         {"_before", NULL, "mean before one"},
-                         {"_before_se", NULL, "its standard error"},
-                         {"_after", NULL, "mean after one"},
-                         {"_after_se", NULL, "its standard error"}},
+                         {"_before", NULL, "mean before an avalanche"},
+                         {"_before_se", NULL, "standard error of the mean before an avalanche"},
+                         {"_after", NULL, "mean after an avalanche"},
+                         {"_after_se", NULL, "standard error of the mean after an avalanche"}},
     [TAKE_LINE] = {{"_0", NULL, "value at against = 0 of the straight line"},
-                   {"_1", NULL, "rise of the straight line"},
+                   {"_1", NULL, "slope of the straight line"},
                    {"_0_se", NULL, "standard error of the value, from the scatter"},
-                   {"_1_se", NULL, "standard error of the rise"}}};
+                   {"_1_se", NULL, "standard error of the slope"}}};
 
 /* The next column: by the measure's name and an ending, or by `columns`, beyond which there is none. */
 static rp_status add_output(exp_plan *plan, const exp_measure *m, const char *ending, const char *unit,

@@ -11,21 +11,26 @@
 
 #define IN(field) offsetof(exp_phase, field)
 const rp_param exp_phase_schema[] = {
-    {"name", "", RP_TEXT, IN(name), NULL, "", "of the phase"},
+    {"name", "", RP_TEXT, IN(name), NULL, "", "name of the phase"},
     {"least", "steps", RP_INT, IN(least), "0", "[0, 2147483647]",
-     "before looks begin, and with them samples"},
-    {"every", "steps", RP_INT, IN(every), "500", "[1, 1000000000]", "from look to look"},
-    {"most", "steps", RP_INT, IN(most), "2000000", "[1, 2147483647]", "of a phase that ends by until"},
-    {"go_on", "", RP_BOOL, IN(go_on), "false", "", "whether the run goes on when these are used up"},
-    {"status", "", RP_TEXT, IN(status), "", "", "word of a run that ends so"},
+     "duration before the first check and the first sample"},
+    {"every", "steps", RP_INT, IN(every), "500", "[1, 1000000000]", "interval between checks"},
+    {"most", "steps", RP_INT, IN(most), "2000000", "[1, 2147483647]",
+     "longest duration of a phase that ends with `until`"},
+    {"go_on", "", RP_BOOL, IN(go_on), "false", "",
+     "whether the run continues with the next phase after `most` steps"},
+    {"status", "", RP_TEXT, IN(status), "", "",
+     "status of a run that ends after `most` steps; default: not_at_rest if `until` asks for rest, otherwise "
+     "most_NAME"},
     {"open", "", RP_TEXT, IN(open), "", "", "wall that opens at the start, at its open_speed"},
     {"mark", "", RP_BOOL, IN(mark), "true", "",
-     "whether positions are marked for `moved` at the start; of a block's phases false, unless given"},
+     "whether positions are marked for `moved` at the start; default within a block: false"},
     {"damp", "", RP_BOOL, IN(damp), "false", "",
-     "whether all grains stop at each look at which the kinetic energy has fallen since the last"},
-    {"from", "", RP_TEXT, IN(from), "", "", "earlier phase to whose end the run first goes back"},
-    {"remove", "", RP_TEXT, IN(remove), "", "", "region whose grains are taken out at the start"},
-    {"repeat", "", RP_INT, IN(repeat), "auto", "[1, 1000000000] | auto", "passes of a block"},
+     "whether all velocities are set to zero at each check at which the kinetic energy has fallen since the "
+     "last check"},
+    {"from", "", RP_TEXT, IN(from), "", "", "earlier phase, to whose end the run first returns"},
+    {"remove", "", RP_TEXT, IN(remove), "", "", "region whose grains are removed at the start"},
+    {"repeat", "", RP_INT, IN(repeat), "auto", "[1, 1000000000] | auto", "number of passes of a block"},
     {0}};
 
 /* Is it a word that a sweep gives to runs that it makes again? */

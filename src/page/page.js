@@ -221,7 +221,7 @@ function tilt(sign) {
     .then((good) => good && play(true));
 }
 function pour() {
-  if (!kinds[kind].pour) return say('The drum is closed: click into it to put in a grain.', true);
+  if (!kinds[kind].pour) return say('The drum is closed: click into it to insert a grain.', true);
   const [a, b] = kinds[kind].pour(was), bodies = [];
   for (let k = 0; k < 10; k++) {
     const r = 0.1 * (1 + was.scatter * (Math.random() + Math.random() - 1)), x = a + (b - a) * (k + 0.2 + 0.6 * Math.random()) / 10;

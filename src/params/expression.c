@@ -55,9 +55,10 @@ enum { MOST_STEPS = 200, MOST_WORD = 64, MOST_POWER = 64, MOST_NESTED = 50, MOST
 /* clang-format on */
 #define X_WORD(id, word, ...) word " "
 const char rp_expression_functions[] = "pi deg inf dt d m g; " X_FUNCTIONS(
-    X_WORD) "dt_limit; held(c, n): whether c was true at n looks in a row; known(M): "
-            "whether measure M has a value; change(e): since the last sample, in measures alone, as atan, "
-            "exp and log; dt_limit(v): the largest step for impacts at v, in dt alone";
+    X_WORD) "dt_limit; held(c, n): whether c was true at n successive checks; known(M): "
+            "whether measure M has a value; change(e): change of e since the last sample; change, atan, exp "
+            "and log only in measures; dt_limit(v): the largest time step for impacts at speed v, only in "
+            "`dt`";
 #define X_ID(id, ...) X_##id,
 typedef enum { X_OPERATORS(X_ID) X_FUNCTIONS(X_ID) X_OTHERS(X_ID) } x_kind;
 enum { HIGHEST = 5, COMPARISON = 3 }; /* priorities */

@@ -89,7 +89,7 @@ rp_status rp_unit_check(rp_units system, const char *label)
     }
     return meant == label
                ? RP_OK
-               : rp_fail(RP_BAD_INPUT, "unit = %s: the text's units are %s; %s", label, words[system], meant);
+               : rp_fail(RP_BAD_INPUT, "unit = %s: the file's units are %s; %s", label, words[system], meant);
 }
 
 double rp_units_value(rp_units system, const char *cgs, double number)

@@ -286,6 +286,17 @@ static rp_status take_line(reading *r, char *line, size_t line_number)
     return take_row(r, line, n, line_number);
 }
 
+/* A number of atoms, a line of any text, and lines of an element and its coordinates. */
+static bool is_xyz(const char *text)
+{
+    const size_t digits = strspn(text, "0123456789");
+    const char *line = text + digits + strspn(text + digits, " \t\r");
+    double x, y;
+    if (digits == 0 || *line != '\n' || !(line = strchr(line + 1, '\n'))) return false;
+    line += 1 + strspn(line + 1, " \t");
+    return sscanf(line, "%*[^ \t\n]%*[ \t]%lf%*[ \t]%lf", &x, &y) == 2;
+}
+
 /* Files of other programs, by their first bytes. */
 static rp_status check_kind(const rp_table *t)
 {
@@ -295,9 +306,13 @@ static rp_status check_kind(const rp_table *t)
                                            {"<", "an XML file"},
                                            {"{", "a JSON file"},
                                            {"%PDF", "a PDF file"},
-                                           {"PK", "an archive or spreadsheet"}};
+                                           {"PK", "an archive or spreadsheet"},
+                                           {"\x89PNG", "a picture"},
+                                           {"\xff\xd8", "a picture"},
+                                           {"GIF8", "a picture"},
+                                           {"", "an XYZ file"}};
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
-        if (strncmp(t->text, kinds[k][0], strlen(kinds[k][0])) == 0)
+        if (*kinds[k][0] ? strncmp(t->text, kinds[k][0], strlen(kinds[k][0])) == 0 : is_xyz(t->text))
             return rp_fail(RP_BAD_INPUT,
                            "%s: is %s; a table expected: a line of names, as x y r, and a row of numbers for "
                            "each grain or run",
@@ -352,6 +367,7 @@ rp_status rp_table_read(const char *path, rp_table *table)
 {
     *table = (rp_table){.path = path};
     rp_status status = rp_file_read(path, &table->text);
+    if (status && table->text) RP_TRY(check_kind(table)); /* which says more than a 0 byte */
     return status ? status : split_text(false, table);
 }
 

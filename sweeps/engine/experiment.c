@@ -151,7 +151,7 @@ static rp_status add_let(experiment *e, const rp_let *let)
     char text[32];
     *p = (rp_param){.name = let->name,
                     .unit = let->unit,
-                    .meaning = *let->meaning ? let->meaning : "of the text",
+                    .meaning = *let->meaning ? let->meaning : "variable of the experiment",
                     .type = number        ? RP_REAL
                             : !word       ? RP_BOOL
                             : *let->range ? RP_CHOICE

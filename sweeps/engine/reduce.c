@@ -22,13 +22,14 @@ typedef struct {
     rp_tally causes;  /* of those without a result */
     size_t *n_finite; /* of each output */
     double *finite;   /* n_outputs x replicas */
+    bool single;      /* a mean of one result */
 } table;
 
 /* Of the rows that are stored. */
 typedef struct {
     const sweep_plan *plan;
     XXH3_state_t *state;
-    size_t n_rows, n_outputs, n_makers;
+    size_t n_rows, n_outputs, n_makers, n_short; /* short: results with a standard error that is nan */
     double seconds;
     char text[33];
     struct {
@@ -58,6 +59,10 @@ static rp_status digest_row(const sweep_row *row, void *context)
     XXH3_128bits_update(d->state, row->result.values, d->n_outputs * sizeof *row->result.values);
     if (isfinite(row->seconds)) d->seconds += row->seconds;
     if (row->program) add_maker(d, row->program);
+    bool is_short = false;
+    for (size_t i = 0; i < d->n_outputs && rp_is_result(row->result.status); i++)
+        is_short |= isnan(row->result.values[i]) && rp_ends_in(d->plan->protocol->outputs[i].name, "_se");
+    d->n_short += is_short;
     d->n_rows++;
     return RP_OK;
 }
@@ -100,6 +105,11 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
     rp_table_note(out, "source", "%.*s %s %zu", (int)strcspn(name, "."), name, digest.text, digest.n_rows);
     rp_table_note(out, "missing", "%zu of %zu", counts->planned - counts->stored, counts->planned);
     note_failed(counts, out);
+    if (digest.n_short > 0)
+        rp_table_note(out, "short series",
+                      "%zu runs have nan as an _se; after repose run FILE --row N -o DIR, repose run "
+                      "DIR/scene.cfg says why",
+                      digest.n_short);
     if (sweep_count_aborted(counts) > 0)
         rp_table_note(out, "aborted", "%zu of the failed, to be tried again", sweep_count_aborted(counts));
     rp_table_note(out, "run_time", "%.1f s", digest.seconds);
@@ -179,6 +189,7 @@ static void write_point(table *t)
     for (size_t i = 0; i < t->n_outputs; i++, n += SWEEP_STATISTICS) {
         stats_summary a;
         stats_mean(t->n_finite[i], t->finite + i * t->plan->replicas, &a); /* NaN without values */
+        t->single |= t->n_rows > 0 && a.n == 1;
         memcpy(values + n, (double[]){a.mean, a.sd, a.se, a.lo, a.hi, (double)a.n},
                SWEEP_STATISTICS * sizeof *values);
     }
@@ -215,9 +226,20 @@ static rp_status write_reduced(table *t, sweep_store *store)
     RP_SCOPE(memory);
     RP_NEW(&memory, t->n_finite, t->n_outputs);
     RP_NEW(&memory, t->finite, t->n_outputs * t->plan->replicas);
-    RP_TRY(sweep_store_visit(store, t->plan, true, gather, t));
-    write_point(t);
-    return RP_OK;
+    FILE *const out = t->out;
+    char *rows = NULL;
+    size_t size;
+    t->out = open_memstream(&rows, &size); /* the header says what the rows lack */
+    rp_status status = t->out ? sweep_store_visit(store, t->plan, true, gather, t) : RP_NO_MEMORY;
+    if (!status) write_point(t);
+    if (t->out && fclose(t->out)) status = rp_fail(RP_NO_MEMORY, "table: out of memory");
+    t->out = out;
+    if (!status && t->single)
+        rp_table_note(out, "errors", "nan where a mean is of one result; at least 2 needed");
+    if (!status) status = write_columns(t);
+    if (!status) fwrite(rows, 1, size, out);
+    free(rows);
+    return status;
 }
 
 rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, unsigned what,
@@ -228,7 +250,7 @@ rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, 
     RP_TRY(sweep_folder_read(dir, protocols, &f));
     table t = {.plan = &f.plan, .out = out, .what = what, .n_outputs = sweep_count_outputs(f.plan.protocol)};
     RP_TRY(write_head(&f.plan, f.store, command, counts ? counts : &unused, out));
-    RP_TRY(write_columns(&t));
+    if (!(what & SWEEP_POINTS)) RP_TRY(write_columns(&t));
     RP_TRY(what & SWEEP_POINTS ? write_reduced(&t, f.store)
                                : sweep_store_visit(f.store, &f.plan, true, write_run, &t));
     return rp_file_finish(out, "table");

@@ -127,7 +127,7 @@ static rp_status try_downward(size_t n, double *block, const slope_options *o)
     char why[512];
     snprintf(why, sizeof why, "%s", rp_message());
     for (size_t i = n; i < 2 * n; i++) block[i] = -block[i];
-    const bool found = !ang_pile_find(n, block, block + n, (double[]){o->from, o->to}, &pile);
+    const bool found = !ang_pile_find(n, block, block + n, CLI_RANGE_OF(o), &pile);
     return rp_fail(RP_NO_RESULT, "%s%s", why,
                    found ? "; as rows of a picture, whose y counts downward, there is one: --y-axis down"
                          : "");
@@ -155,7 +155,7 @@ static rp_status slope_of_table(cli_call *call, rp_table *table, const void *val
     for (size_t i = n; i < 2 * n && o->y_axis; i++) block[i] = lowest - block[i] + above;
     for (size_t i = 0; i < n && !box && o->height == ANG_TOP; i++) block[n + i] += block[2 * n + i];
     rp_status status = box ? slope_of_box(n, block, with_r, o, cell, &pile)
-                           : ang_pile_find(n, block, block + n, (double[]){o->from, o->to}, &pile);
+                           : ang_pile_find(n, block, block + n, CLI_RANGE_OF(o), &pile);
     if (!box && status == RP_NO_RESULT && !cli_given(call, "y-axis")) status = try_downward(n, block, o);
     if (!status && pile.n_flanks == 2 && pile.flank[0][1].slope > 0.0 && !cli_given(call, "y-axis"))
         status = rp_fail(RP_NO_RESULT, "a valley, two flanks that fall inwards: give --y-axis down if y "
@@ -188,8 +188,11 @@ const cli_command cmd_angle_slope = {
     "slope of a table of grains, by three methods",
     "FILE [options]",
     "Slope of the surface h(x) of a pile, positive where it falls to the right, by the methods of Lee & "
-    "Herrmann 1993: 1 first to last surface bin, 2 straight line, 3 parabola through the running sum of h. "
-    "The standard error follows from the scatter of h about the straight line.\n"
+    "Herrmann 1993, one row for each:\n"
+    "  1  from the first to the last surface bin or point\n"
+    "  2  straight line through h(x)\n"
+    "  3  parabola through the running sum of h\n"
+    "theta_se_deg is the standard error from the scatter of h about the straight line.\n"
     "\n"
     "FILE (- for standard input) has one row for each grain, or for each point of an outline, with columns "
     "named x y r (or X Y R). A table of two columns, or of three without names, has them in this order. r is "
@@ -208,7 +211,7 @@ const cli_command cmd_angle_slope = {
     "= 0, or if grains lie below y = 0.\n"
     "\n"
     "With no_pile and sparse, the exit status is 1.",
-    "repose angle slope pile.tsv --y-axis down",
+    "repose angle slope out/states.tsv --where step=20000",
     slope_params,
     .refuses = "Grains of several steps: choose one with --where step=N.\n"
                "--height top without radii; a radius that is not positive.\n"

@@ -38,7 +38,7 @@ enum { MOST = 100, FILL_STEPS = 30000, RELAX_STEPS = 50000, WARM_STEPS = 2000 };
       "threads; with more than one, rates are per second of wall time, and the phases are those of one")     \
     X(TEXT, o, "", "", "",                                                                                   \
       "table for the grains, at the end of a sample, otherwise at rest before the timed steps")              \
-    CLI_FORCE(X)
+    CLI_FORCE(X, "replace an existing file")
 
 CLI_OPTIONS(bench, BENCH_OPTIONS)
 

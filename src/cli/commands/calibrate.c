@@ -6,14 +6,16 @@
 #include "sweeps/engine/calibrate.h"
 
 #define CALIBRATE_OPTIONS(X)                                                                                 \
-    X(REAL, theta_r_deg, "deg", "none", "(-90, 90) | none", "measured angle of repose, by method 3")         \
-    X(REAL, error_deg, "deg", "none", "(0, 90) | none", "its standard error")                                \
+    X(REAL, theta_r_deg, "deg", "none", "(-90, 90) | none",                                                  \
+      "measured angle of repose, by method 3 of repose angle slope")                                         \
+    X(REAL, error_deg, "deg", "none", "(0, 90) | none", "standard error of --theta-r-deg")                   \
     X(REAL, theta_t_deg, "deg", "none", "[0, 90) | none", "measured tilt at which the pile moves")           \
-    X(REAL, theta_t_error_deg, "deg", "none", "(0, 90) | none", "its standard error")                        \
+    X(REAL, theta_t_error_deg, "deg", "none", "(0, 90) | none", "standard error of --theta-t-deg")           \
     X(TEXT, o, "", "calibrate", "", "folder for the answer and the tables of the runs")                      \
-    X(INT, budget, "", "auto", "[1, 10000000] | auto", "largest number of runs; auto: from the file")        \
+    X(INT, budget, "", "auto", "[1, 10000000] | auto",                                                       \
+      "largest number of runs; auto: `budget` of the file, otherwise 1000")                                  \
     X(BOOL, dry_run, "", "false", "", "check the file, and print what the first stage needs")                \
-    CLI_FORCE(X)                                                                                             \
+    CLI_FORCE(X, "replace a finished result in the folder")                                                  \
     CLI_QUIET(X)                                                                                             \
     CLI_WORKERS(X)
 
@@ -285,9 +287,9 @@ const cli_command cmd_calibrate = {
     "find the parameters that give measured values, with intervals",
     "--theta-r-deg ANGLE --error-deg SE [options]\n"
     "FILE.cfg [-o DIR] [--budget RUNS] [--dry-run]",
-    "--theta-r-deg: finds the friction of a box that is opened on one side, whose pile has this angle of "
-    "repose, and with --theta-t-deg also this tilting angle. DIR/angle.cfg is the fit file that it uses; for "
-    "other piles, change a copy of it.\n"
+    "--theta-r-deg: finds the coefficient of friction mu with which the pile that is left when a box is "
+    "opened on one side has this angle of repose, and with --theta-t-deg also this tilting angle. "
+    "DIR/angle.cfg is the fit file that it uses; for different piles, change a copy of it.\n"
     "\n"
     "FILE.cfg: determines up to three `let` variables of experiments from measured values. The file has fit "
     "= { NAME = [from, to]; } and measured = ( { experiment, of, value, error } ), where `of` is a column of "
@@ -302,11 +304,18 @@ const cli_command cmd_calibrate = {
     "each stage and experiment a sweep file, such as stage_1_1.cfg, and the table of its runs. After a stop "
     "or a kill the same command continues; after the status budget it continues with a larger --budget.\n"
     "\n"
-    "lower to upper is a 95 % profile interval of chi2, covering measurement error, run scatter and lack of "
-    "fit. The header has the residual and the reach of each measure, correlations, the combination of the "
-    "variables that is determined best, and how many design points leave-one-out recovers. `form p` is the "
-    "probability of such a misfit, beyond a tenth of the measurement error, if the polynomial is right. "
-    "Below 0.01 the polynomial is rejected, and no value is printed. p is not known without repeated runs.\n"
+    "The answer has a row for each variable: its best value, the standard error se, and the 95 % interval "
+    "from lower to upper, which covers measurement error, run scatter and lack of fit (a profile interval of "
+    "chi2). If separate intervals agree with the measured values, each has a row. The header has for each "
+    "measure:\n"
+    "  residual    measured minus fitted value, over the standard error of both\n"
+    "  form p      probability that the means of the runs lie this far from the fitted\n"
+    "              polynomial by chance; distances below a tenth of the measurement\n"
+    "              error are ignored. Below 0.01 the polynomial is rejected, and no\n"
+    "              value is printed. Not known without repeated runs\n"
+    "  runs reach  smallest and largest mean of the measure at any design point\n"
+    "It also has the correlations of the variables, the combination of the variables that is determined "
+    "best, and how many design points are recovered if they are left out of the fit one by one.\n"
     "\n"
     "status is one of\n"
 #define X(name, word, meaning) "  " word ": " meaning "\n"
@@ -316,7 +325,7 @@ const cli_command cmd_calibrate = {
         "not for a different model, protocol or size.",
     "repose calibrate fit.cfg -o found",
     calibrate_params,
-    .refuses = "A folder that holds a finished result or other files: use a different one, or --force.\n"
+    .refuses = "A folder with a finished result, without --force; a folder with other files.\n"
                "An angle without its standard error; a column that the runs do not have; a variable that no "
                "experiment has.",
     .act = calibrate};

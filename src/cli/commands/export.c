@@ -13,7 +13,7 @@
       "for a sweep: one row per grid point, as in `repose sweep export --reduce`")                           \
     X(TEXTS, set, "", "", "", "for a scene: KEY=VALUE replaces a key, as in `repose run`")                   \
     CLI_WHERE(X)                                                                                             \
-    CLI_FORCE(X)
+    CLI_FORCE(X, "replace an existing file")
 
 CLI_OPTIONS(export, EXPORT_OPTIONS)
 enum { TO_CSV, TO_JSON, TO_LAMMPS, TO_VTK, TO_LAMMPS_INPUT };
@@ -94,7 +94,8 @@ const cli_command cmd_export = {
     "\n"
     "lammps: a LAMMPS dump of the grains with a frame for each step, and a dump local of the contacts in "
     "FILE.contacts.lammpstrj. Columns have the names of LAMMPS: radius, mass, vx vy vz, omegaz. vtk: "
-    "FILE.pvd for ParaView, with grains as points, contacts and walls as lines, in VTP files in FILE_frames. "
+    "FILE.pvd for ParaView, with grains as points (radius, mass, velocity), contacts and walls as lines, in "
+    "VTP files in FILE_frames. "
     "Both formats can also be made of a table of grains (x, y, r); if it is X_grains.tsv, the contacts and "
     "walls beside it are included. Lengths, times and masses keep the units of the source; z is 0.\n"
     "\n"
@@ -112,7 +113,9 @@ const cli_command cmd_export = {
     "                  gravity, turning box",
     "repose export out --to lammps -o pile.lammpstrj",
     export_params,
-    .refuses = "Grains of a sweep, which has none: use csv or json. --reduce without a sweep.\n"
-               "For lammps-input: a key that LAMMPS does not support; --columns, --where and --reduce.\n"
-               "--set with any other format.",
+    .refuses =
+        "lammps and vtk of a sweep: its store has results, and no grains. Use csv or json, or export the "
+        "folder of one run (repose run SWEEP.cfg --row N -o DIR). --reduce without a sweep.\n"
+        "For lammps-input: a key that LAMMPS does not support; --columns, --where and --reduce.\n"
+        "--set with any other format.",
     .act = act_export};

@@ -14,9 +14,10 @@
 CLI_OPTIONS(help, HELP_OPTIONS)
 
 static const char about_data[] =
-    "An example, sweep or table that the program brings along, as sweeps/lh/lh3.cfg, is looked for in the\n"
-    "current folder first. Then comes the folder that REPOSE_DATA names. Where REPOSE_DATA is not set, it\n"
-    "is ../share/repose beside the program, or the source that the program was built in.\n";
+    "An example, sweep or table of the program, such as sweeps/lh/lh3.cfg, is looked for in the current\n"
+    "folder first, then in the folder that the environment variable REPOSE_DATA names. If REPOSE_DATA is\n"
+    "not set, that is ../share/repose, relative to the program's folder, or the source folder if the\n"
+    "program is in its `build`.\n";
 
 /* ---- manual, as pandoc's Markdown ---- */
 

@@ -16,7 +16,7 @@
     X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
     X(BOOL, study, "", "false", "", "make as many runs per grid point as `study` in the file says")          \
     CLI_QUIET(X)                                                                                             \
-    CLI_FORCE(X)
+    CLI_FORCE(X, "use the folders even if they hold a different sweep")
 
 CLI_OPTIONS(make, MAKE_OPTIONS)
 
@@ -389,19 +389,27 @@ const cli_command cmd_sweep_make = {
     "each grid point, and the tables that these settings of the file ask for. All settings are checked "
     "before the first run.\n"
     "\n"
-    "  study  = 60;                                   # runs per grid point with --study\n"
-    "  derive = ( { table = \"a\"; with = \"compare\"; },   # of the runs, by repose angle compare\n"
-    "             { table = \"line\"; with = \"fit\"; rows = \"points\"; x = \"mu\"; y = "
-    "\"theta_r3_deg_mean\"; } );\n"
-    "  trace  = ( { rows = [0, 10]; every = 100; } ); # as repose run FILE --row 0: row_0.tsv and folder "
-    "row_0\n"
+    "  study  = 60;             # runs per grid point with --study\n"
+    "  derive = ( { table = \"a\"; with = \"compare\"; },\n"
+    "             { table = \"line\"; with = \"fit\"; rows = \"points\";\n"
+    "               x = \"mu\"; y = \"theta_r3_deg_mean\"; where = [\"mu<0.5\"]; } );\n"
+    "  trace  = ( { rows = [0, 10]; every = 100; } );\n"
     "  model  = ( { table = \"30\"; with = \"continuum\"; alpha_deg = 30.0; } );\n"
     "\n"
-    "with is a command of repose stats, stress or angle that reads a table; for a model it is pile, tent, "
-    "continuum or lattice (folder = true writes the tables of a pile too). rows is runs, points, or an "
-    "earlier table. where = [\"mu=0.2\", \"eps<1e-5\"] works as --where does. of = [\"a\", \"b\"] takes the "
-    "runs of these sweeps, which were made before and whose folders lie beside DIR. stage = \"pile\" gives "
-    "field and base the piles of the traces at this stage. A file without a protocol may have only models.",
+    "derive: each entry writes one table, such as a.tsv. `with` is the command that writes it: one of repose "
+    "stats, stress or angle that reads a table, here repose angle compare and repose stats fit. Options of "
+    "the command are keys, with underlines for dashes. The command reads the table that `rows` names: runs "
+    "(if `rows` is "
+    "missing), points, or an earlier table of the file. With of = [\"a\", \"b\"] it reads instead the runs "
+    "of the sweeps a and b, which must be complete, in folders beside DIR.\n"
+    "\n"
+    "trace: repeats runs of the sweep as `repose run FILE --row 0 --every 100` does; their results go to "
+    "row_0.tsv, their tables to the folder row_0. The commands field and base of `derive` read these piles; "
+    "stage = \"pile\" says at the end of which phase.\n"
+    "\n"
+    "model: each entry writes one table of repose pile, tent, continuum or lattice; for a pile, folder = "
+    "true also writes the tables of its disks, contacts and wells. A file without a protocol may have only "
+    "models.",
     "repose sweep make sweeps/li/tent.cfg -o build/sweeps/tent",
     make_params,
     .refuses = "All that `repose sweep plan` and `repose sweep run` refuse; an unknown key, command or "

@@ -69,7 +69,8 @@ const cli_command cmd_lattice = {
     "force. Equations (37)-(44) of Liffman, Chan & Hughes 1992 give the full triangle; the same force "
     "balance gives piles with slopes cut out of the lattice. Row i = 1..K is base disk i from the left. N is "
     "the normal force of the ground. H is the horizontal force of the pile on the ground, positive to the "
-    "right. The columns in chi g B (chi = m/sigma) can be compared with `repose continuum`; B is the base of "
+    "right. The columns in chi g B (chi = m/sigma, of disks of mass m and diameter sigma) can be compared "
+    "with `repose continuum`; B is the base of "
     "the triangle of equal weight.",
     "repose lattice --base 45 --alpha-deg 30",
     lattice_params,

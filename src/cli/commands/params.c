@@ -16,7 +16,7 @@
 CLI_OPTIONS(params, PARAMS_OPTIONS)
 
 static const char *const type_words[] = {
-    [RP_REAL] = "real", [RP_INT] = "whole", [RP_BOOL] = "bool", [RP_CHOICE] = "word", [RP_TEXT] = "text"};
+    [RP_REAL] = "real", [RP_INT] = "int", [RP_BOOL] = "bool", [RP_CHOICE] = "choice", [RP_TEXT] = "text"};
 
 /* The default as in the schema; in other units than its own converted. */
 static const char *default_of(const rp_param *p, rp_units units, char text[64])
@@ -191,13 +191,18 @@ const cli_command cmd_params = {
     "  states.tsv    step, t (s), id, x, y (cm), angle (rad), vx, vy (cm/s),\n"
     "                omega (rad/s), net force fx, fy (dyn), r (cm), m (g), number of\n"
     "                contacts, whether the grain is fixed\n"
-    "  contacts.tsv  shear_force acts on the second body, along the centre line from\n"
-    "                the first, turned 90 degrees clockwise; shear_spring has the\n"
-    "                opposite sign. rolling_torque acts on the first body;\n"
-    "                rolling_spring is the displacement at r_i r_j/(r_i + r_j)\n"
+    "  contacts.tsv  bodies a and b of a contact: id_a, and id_b (0: the wall `wall`,\n"
+    "                which is 0 between grains); centre x, y of a, and x_b, y_b of b,\n"
+    "                at a wall the point of contact; overlap (cm); normal_force (dyn),\n"
+    "                positive in compression; shear_force (dyn) on b, along the line\n"
+    "                from a to b turned 90 degrees clockwise; shear_spring (cm), of\n"
+    "                opposite sign; rolling_torque (dyn cm) on a; rolling_spring (cm),\n"
+    "                the displacement at the radius r_a r_b/(r_a + r_b)\n"
     "  walls.tsv     a wall is a line through x, y with the unit normal direction_x,\n"
-    "                direction_y. Its ends `from` and `to` lie along the normal\n"
-    "                turned 90 degrees clockwise, and are equal once it is open",
+    "                direction_y. `from` and `to` (cm) are its two ends, as distances\n"
+    "                from x, y along the normal turned 90 degrees clockwise (infinite\n"
+    "                for a line); they are equal once the wall is open. fx, fy (dyn):\n"
+    "                force of the grains on the wall",
     "repose params repose",
     params_params,
     .refuses = "A name that is no protocol; the message names the nearest one.",

@@ -15,7 +15,7 @@
     X(TEXT, o, "", "", "",                                                                                   \
       "folder for base.tsv, wells.tsv, contacts.tsv and disks.tsv, the last three also without an "          \
       "equilibrium")                                                                                         \
-    CLI_FORCE(X)
+    CLI_FORCE(X, "replace a finished result in the folder")
 
 CLI_OPTIONS(own, OWN_OPTIONS)
 
@@ -132,9 +132,8 @@ static rp_status solve_any(cli_call *call, const void *values)
 const cli_command cmd_pile = {
     "pile",
     "find the static equilibrium of a close-packed pile of soft disks",
-    "[--base K] [--alpha-deg A [--inner-deg A --x-1 X]] [--eps E] [--k-x K | --well A [--mu MU]] "
-    "[--branch primary|minimum [--leave N]] [--disorder S [--seed N]] [--summary | --threshold] "
-    "[-o DIR [--force]]",
+    "[--base K] [--alpha-deg A [--inner-deg A --x-1 X]] [--eps E] [--k-x K | --well A [--mu MU]] [--branch "
+    "primary|minimum [--leave N]] [--disorder S [--seed N]] [--summary | --threshold] [-o DIR [--force]]",
     "Static equilibrium of soft frictionless disks, close-packed on a flat base: the computer model of "
     "Liffman, Chan & Hughes 1992 at rest. Row i is base disk i from the left. N is the normal force of the "
     "ground on the disk, and H the horizontal force of the disk on the ground, positive to the right. "
@@ -143,7 +142,9 @@ const cli_command cmd_pile = {
     "in the header counts the unstable directions. An unstable primary state is also a result: the exit "
     "status is 0, with a note on standard error.\n"
     "\n"
-    "A well is the elastic range of static friction under a disk of the base, about its position x_0.\n"
+    "sigma and m are the mean diameter and mass of a disk, K_s is the stiffness of a contact, and B the "
+    "width of the base. A well is the elastic range of static friction under a disk of the base, about its "
+    "position x_0.\n"
     "\n"
     "Without an equilibrium the exit status is 1, and a message names disks, wells and one of these "
     "statuses. The tables of -o then hold the last state of the solver.\n"
@@ -158,7 +159,7 @@ const cli_command cmd_pile = {
     "repose pile --alpha-deg 30 --base 45",
     own_params,
     .refuses = "An option that has no effect with the others; the message says which one it needs.\n"
-               "A folder that holds a finished result: use a different one, or --force.\n"
+               "A folder with a finished result, without --force; a folder with other files.\n"
                "--threshold with --branch, -o or eps = 0.",
     .act = solve_any,
     .protocol = sweep_pile_schema,

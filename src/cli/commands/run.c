@@ -14,15 +14,16 @@
     X(TEXTS, set, "", "", "",                                                                                \
       "KEY=VALUE, GROUP.KEY=VALUE or walls[0].KEY=VALUE replaces a key; may be repeated")                    \
     X(INT, every, "steps", "auto", "[1, 2147483647] | auto",                                                 \
-      "interval between frames (sweep run: between energies); auto: last frame and ends of phases "          \
-      "(energies: 100)")                                                                                     \
+      "interval between frames of all tables (of a sweep's run: of the energies); auto: only the last "      \
+      "frame and the ends of phases (of a sweep's run: energies every 100 steps)")                           \
     X(TEXT, o, "", "", "", "folder for tables, instead of standard output")                                  \
     X(BOOL, ledger, "", "false", "",                                                                         \
       "add the terms of the energy ledger to the energies, as `ledger = true` in a scene file does")         \
     X(INT, j, "", "1", "[1, 256]",                                                                           \
-      "threads, for scenes of some 16000 grains or more; results are bitwise identical for any number")      \
-    X(INT, row, "", "0", "[0, 2147483647]", "number of the sweep's run, from 0")                             \
-    CLI_FORCE(X)                                                                                             \
+      "number of threads, useful from some 16000 grains on; results are bitwise identical for any number")   \
+    X(INT, row, "", "0", "[0, 2147483647]",                                                                  \
+      "number of the run in the sweep, from 0: column `run` of its tables")                                  \
+    CLI_FORCE(X, "replace a finished result in the folder")                                                  \
     CLI_QUIET(X)
 
 CLI_OPTIONS(run, RUN_OPTIONS)
@@ -325,16 +326,19 @@ const cli_command cmd_run = {
     "SCENE.cfg: simulates the scene; `repose params scene` lists the keys of the file. Without -o the states "
     "of the grains are printed, or the measures of an experiment (a scene with phases). With -o, the folder "
     "DIR gets states.tsv, contacts.tsv, walls.tsv and energy.tsv, with rows for every frame, and for an "
-    "experiment also phases.tsv and measures.tsv. `repose params --help` explains the columns.\n"
+    "experiment also phases.tsv and measures.tsv. Each table names the units of its columns; `repose params "
+    "--help` explains the columns.\n"
     "\n"
     "The result grows in DIR.part, which is renamed to DIR when it is complete. After a stop, a kill or a "
     "power cut, the same command continues from the last snapshot (there is one a minute), and ends with the "
     "same files as an undisturbed run.\n"
     "\n"
     "The run ends with one line on standard error: the number of grains and steps, whether the grains are at "
-    "rest, and theta_R by method 3 if the surface at rest falls to one side by all three methods. The slope "
+    "rest, and theta_R by method 3 of `repose angle slope` if the surface at rest falls to one side by all "
+    "three methods. The slope "
     "is measured from the standing wall to the opened one, or over the whole pile if no wall opens. Grains "
-    "are at rest if their mean kinetic energy is below 1e-7 m g d and the net force on each is below 1e-2 m "
+    "are at rest if their mean kinetic energy is below 1e-7 m g d (m and d are mass and diameter of the mean "
+    "grain) and the net force on each is below 1e-2 m "
     "g, at ten checks in the last 5000 steps.\n"
     "\n"
     "SWEEP.cfg, a file with the key `protocol`: repeats one run of the sweep with its tables, and prints its "
@@ -346,6 +350,6 @@ const cli_command cmd_run = {
     "files (PREFIX/share/repose where it is installed).",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
     run_params,
-    .refuses = "A folder that holds a finished result or other files: use a different one, or --force.\n"
+    .refuses = "A folder with a finished result, without --force; a folder with other files.\n"
                "--row with a scene; --set and -j with a sweep.",
     .act = run_any};

@@ -6,7 +6,7 @@
 #define PLAN_OPTIONS(X)                                                                                      \
     X(TEXT, o, "", NULL, "", "folder of the sweep; created if missing")                                      \
     X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
-    CLI_FORCE(X)
+    CLI_FORCE(X, "use the folder even if it holds a different sweep")
 
 CLI_OPTIONS(plan, PLAN_OPTIONS)
 
@@ -148,7 +148,7 @@ static const cli_command merge = {
     X(TEXT, o, "", "-", "", "file to write; - is standard output")                                           \
     X(BOOL, reduce, "", "false", "",                                                                         \
       "one row per grid point: mean, sd, se, 95 % interval (Student's t) and n of each output")              \
-    CLI_FORCE(X)
+    CLI_FORCE(X, "replace an existing file")
 
 CLI_OPTIONS(export, EXPORT_OPTIONS)
 

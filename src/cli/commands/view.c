@@ -26,7 +26,7 @@
     X(TEXT, window, "", "auto", "", "X0,X1,Y0,Y1: region that is shown; auto: all grains")                   \
     X(REAL, width, "cm", "18", "[8, 60]", "width of the picture")                                            \
     X(REAL, fps, "1/s", "10", "[0.1, 50]", "frames per second of an animation")                              \
-    CLI_FORCE(X)
+    CLI_FORCE(X, "replace an existing file")
 
 CLI_OPTIONS(view, VIEW_OPTIONS)
 
@@ -272,12 +272,14 @@ const cli_command cmd_view = {
     "frames of an experiment are the ends of its phases. TABLE is one of its tables of grains, or any table "
     "with columns x, y and r.\n"
     "\n"
-    "The width and darkness of a line between two centres show the normal force; attraction is orange. A "
-    "fixed grain has a dark core. Gravity is not drawn, because no table contains it. Lengths and forces "
-    "have the units of the tables. All frames of an animation share one scale: the widest line stands for a "
-    "force that a quarter of the frames exceed. gnuplot draws the pictures; an .mp4 file also needs ffmpeg.\n"
+    "A line between two centres shows a contact; its width and darkness show the normal force, and "
+    "attraction is orange. A fixed grain has a dark core. Gravity is not drawn, because no table contains "
+    "it. Lengths and forces have the units of the tables. All frames of an animation share one scale: each "
+    "frame has a largest force, and the widest line stands for the upper quartile of these. gnuplot draws "
+    "the pictures; an .mp4 file also needs ffmpeg.\n"
     "\n"
-    "SWEEP is the folder of `repose sweep make`. Its points are drawn, a mean with its standard error.",
+    "SWEEP is the folder of `repose sweep make`. Column -y of its points.tsv is drawn over column -x, means "
+    "with their standard errors.",
     "repose view out -o pile.png --color contacts",
     view_params,
     .refuses = "A window without a screen: use -o. --frame all with a picture: use -o NAME.gif.\n"

@@ -74,6 +74,10 @@ static rp_status compare_table(cli_call *call, rp_table *table, const void *valu
     rp_random *rng = rp_random_in(call->arena, (unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
     cli_table(call, call->out);
     rp_table_note(call->out, "rows", "%zu used, %zu left out", piles.n, table->n_rows - piles.n);
+    for (size_t g = 0; g < piles.n_groups; g++)
+        if (piles.first[g + 1] - piles.first[g] == 1)
+            rp_table_note(call->out, "errors", "mu = %g has one pile; at least 2 needed",
+                          piles.column[0][piles.first[g]]);
     print_compare_header(call);
     for (size_t g = 0; g < piles.n_groups; g++) {
         const size_t first = piles.first[g];

@@ -38,6 +38,9 @@ static rp_status print_fit(const cli_call *call, const stats_xy *points, bool lo
     const int n_lines = logarithms ? 1 : 2; /* the line through the origin would be that through (1, 1) */
     stats_line lines[2];
     for (int i = 0; i < n_lines; i++) RP_TRY(stats_line_fit(points, i == 1, &lines[i]));
+    if (lines[0].dof == 0)
+        rp_table_note(call->out, "errors", "%s; at least 3 rows needed",
+                      points->se ? "p_value is nan" : "nan");
     rp_table_header(call->out, call->units,
                     "slope [y/x], slope_se [y/x], intercept [y], intercept_se [y], covariance [y^2/x], chi2, "
                     "dof, p_value, n, x_from [x], x_to [x], residual [y], " RP_FAILED_COLUMNS ", line");
@@ -57,7 +60,7 @@ static rp_status fit_table(cli_call *call, rp_table *table, const void *values)
 {
     const fit_options *o = values;
     const bool weighted = strcmp(o->se, "none") != 0, logarithms = o->scale == SCALE_LOG;
-    const rp_choice choice = {.any_status = true, .range = (double[]){o->from, o->to}};
+    const rp_choice choice = {.any_status = true, .range = CLI_RANGE_OF(o)};
     rp_rows rows;
     if (logarithms && weighted)
         return rp_fail(RP_USAGE, "--scale log takes no --se: give one of them; see repose stats fit --help");

@@ -223,6 +223,7 @@ static rp_status print_base(cli_call *call, const void *values)
     stress_floor *floor = rp_arena_memory(call->arena, cells, sizeof *floor);
     RP_TRY(stress_floor_forces(n, piles, size, o->g, cells, floor));
     rp_table_note_number(call->out, "theta_r_deg", theta / deg, "");
+    if (n == 1) rp_table_note(call->out, "errors", "nan for one pile; at least 2 needed");
     rp_table_header(call->out, call->units,
                     "x/W, N [dyn/cm], N_se [dyn/cm], H [dyn/cm], H_se [dyn/cm], weight [dyn/cm], through "
                     "[dyn/cm], imbalance [dyn/cm], H/N, N_theory [dyn/cm], H_theory [dyn/cm]");

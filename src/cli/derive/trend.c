@@ -50,7 +50,7 @@ typedef struct {
 
 static rp_status read_rows(rp_arena *arena, const rp_table *t, const trend_options *o, rows *r)
 {
-    const rp_choice choice = {.range = (double[]){o->from, o->to}, .groups = &r->groups};
+    const rp_choice choice = {.range = CLI_RANGE_OF(o), .groups = &r->groups};
     const char *names = rp_text(arena, "%s,%s%s", o->x, o->y, o->pair ? ",pile" : "");
     RP_TRY(rp_one_column("-y", o->y)); /* one x was found */
     RP_TRY(rp_group_rows(arena, t, o->by, '\t', &r->groups));
@@ -117,12 +117,14 @@ static rp_status fit_groups(const cli_call *call, const rp_table *t, const rows 
     const size_t n_groups = r->of.n_groups;
     stats_trend *fits = rp_arena_memory(call->arena, n_groups, sizeof *fits);
     double *p = rp_arena_memory(call->arena, 2 * n_groups, sizeof *p), *p_holm = p + n_groups;
+    const char **why = rp_arena_memory(call->arena, n_groups, sizeof *why); /* there is no result */
     rp_status status = RP_OK;
     size_t with_result = 0;
     for (size_t g = 0; g < n_groups; g++) {
         status = fit_group(r, g, o, size, &fits[g]);
         if (status && status != RP_NO_RESULT)
             return rp_prefix(status, "%s%s", r->groups.words[g], *r->groups.words[g] ? ": " : "");
+        if (status) why[g] = rp_text(call->arena, "%s", rp_message());
         p[g] = status ? NAN : stats_contrast_p(&fits[g].change);
         with_result += !isnan(p[g]);
     }
@@ -135,10 +137,12 @@ static rp_status fit_groups(const cli_call *call, const rp_table *t, const rows 
     rp_table_note(call->out, "rows", "%zu used, %zu without result, %zu with nan, %zu outside the range of x",
                   r->of.n, r->of.n_failed, r->of.n_nan, r->of.n_outside);
     if (*r->x_words) rp_table_note(call->out, "words", "%s", r->x_words);
+    for (size_t g = 0; g < n_groups; g++)
+        if (why[g]) rp_table_note(call->out, "no_result", "%s: %s", r->groups.words[g], why[g]);
     RP_TRY(rp_header_by(t, o->by, size ? SIZE_COLUMNS : TREND_COLUMNS, call->out));
     for (size_t g = 0; g < n_groups; g++) {
         if (*r->groups.words[g]) fprintf(call->out, "%s\t", r->groups.words[g]);
-        const char *failed = rp_failed_text(call->arena, t, &r->groups, g, o->x, (double[]){o->from, o->to});
+        const char *failed = rp_failed_text(call->arena, t, &r->groups, g, o->x, CLI_RANGE_OF(o));
         if (size)
             print_size(call, &fits[g], p_holm[g], failed);
         else

@@ -30,8 +30,8 @@ RP_C_BEGIN
       hertz, tsuji, of_all, "dyn/cm^1.5", "1", .damping_ratio = tsuji_damping_ratio,                         \
       .modulus = hertz_modulus)                                                                              \
     X(DEM_ELASTIC, elastic,                                                                                  \
-      "tsuji with the stiffness k_n sqrt(R) of each pair's own radii, R = r_i r_j/(r_i + r_j), at a wall "   \
-      "r: k_n = 4/3 E* of `material` (Hertz)",                                                               \
+      "tsuji with the stiffness k_n sqrt(R) of each pair's own radii, R = r_i r_j/(r_i + r_j), at a wall R " \
+      "= r: k_n = 4/3 E* of `material` (Hertz)",                                                             \
       hertz, tsuji, by_radius, "dyn/cm^2", "1", .damping_ratio = tsuji_damping_ratio, .lammps = "hertz",     \
       .lammps_damping = "tsuji")
 
@@ -39,16 +39,16 @@ RP_C_BEGIN
  * rolling, are of the contact's radius, see dem_law_at_overlap; the name of its force in law.inl; members of
  * dem_tangential_descriptor but the name, one at least. */
 #define DEM_TANGENTIAL_LAWS(X)                                                                               \
-    X(DEM_NONE, none, "no force along the contact", false, false, false, no, .lammps = "linear_nohistory",   \
+    X(DEM_NONE, none, "no tangential force", false, false, false, no, .lammps = "linear_nohistory",          \
       .in_lammps = "none")                                                                                   \
     X(DEM_SPRING, spring,                                                                                    \
-      "a spring k_s of the displacement s since first touch, and a dashpot: F_s = -gamma_s m_eff v_s - "     \
+      "a spring k_s with the displacement s since first contact, and a dashpot: F_s = -gamma_s m_eff v_s - " \
       "sign(s) min(k_s |s|, mu max(F_n, 0)) (Lee & Herrmann 1993, eq (2b))",                                 \
       true, true, false, shear, .lammps = "linear_history",                                                  \
       .in_lammps = "spring k_s and dashpot gamma_s m_eff, together limited by mu F_n, the spring truncated") \
     X(DEM_MINDLIN, mindlin,                                                                                  \
       "spring, with the stiffness k_s sqrt(R x) of the contact's radius and the damping rate gamma_s "       \
-      "sqrt(stiffness/m_eff); while the contact grows its force stays, so that no energy is gained: k_s = "  \
+      "sqrt(stiffness/m_eff); loading preserves the spring force, so that no energy is gained: k_s = "       \
       "8 G* "                                                                                                \
       "of `material` (Mindlin & Deresiewicz 1953; Thornton, Cummins & Cleary 2013)",                         \
       true, true, true, shear, .lammps = "mindlin_rescale/force",                                            \
@@ -68,21 +68,19 @@ RP_C_BEGIN
       "the spring is never shortened, as Lee & Herrmann's (2b) is printed: sliding stores energy")
 #define DEM_DAMPINGS(X)                                                                                      \
     X(DEM_DAMPING_OUTSIDE, outside,                                                                          \
-      "the dashpot adds to the limit mu F_n, as (2b) is printed: a drag, no friction, slows all that "       \
-      "slides")                                                                                              \
+      "the dashpot adds to the limit mu F_n, as (2b) is printed: a viscous drag slows whatever slides")      \
     X(DEM_DAMPING_INSIDE, inside, "spring and dashpot together obey the limit mu F_n")
 
 /* Models of rolling resistance, named as by Ai, Chen, Rotter & Ooi 2011. id; word, which is the name of its
  * force in law.inl; manual; has a spring; has a dashpot; whether its limit mu F_n is over a speed. */
 #define DEM_ROLLINGS(X)                                                                                      \
     X(DEM_ROLL_SPRING, spring,                                                                               \
-      "a spring and a dashpot of the rolling displacement, under the limit mu F_n: model C", true, true,     \
-      false)                                                                                                 \
+      "a spring and a dashpot with the rolling displacement, limited to mu F_n: model C", true, true, false) \
     X(DEM_ROLL_CONSTANT, constant,                                                                           \
-      "the limit mu F_n against any rolling, however slow, which then trembles: model A", false, false,      \
-      false)                                                                                                 \
+      "the limit mu F_n against any rolling, however slow, so that resting grains tremble: model A", false,  \
+      false, false)                                                                                          \
     X(DEM_ROLL_VISCOUS, viscous,                                                                             \
-      "mu F_n v of the rolling speed v, mu in s/cm or s/m; holds nothing at rest: model B", false, false,    \
+      "mu F_n v with the rolling speed v, mu in s/cm or s/m; no resistance at rest: model B", false, false,  \
       true)
 
 /* Arm of the rolling resistance between grains; at a wall it is the grain's radius. */

@@ -42,9 +42,9 @@
     X(SCENE, RP_BOOL, rotation, DEM_KEY("rotation"), DEM_UNIT(""), DEM_DEFAULT("false"), DEM_RANGE(""), DEM_NO_WALL, \
       DEM_MEANING("whether grains rotate")) \
     DEM_CHOICE(X, shape, DEM_KEY("shape"), DEM_DEFAULT("sphere"), DEM_SHAPES, \
-      DEM_MEANING("gives mass (from the density) and moment of inertia")) \
+      DEM_MEANING("shape of the grains, which gives mass (from the density) and moment of inertia")) \
     X(GRAIN, RP_REAL, density, DEM_KEY("density"), DEM_UNIT("g/cm^3"), DEM_DEFAULT("1.0"), DEM_RANGE("(0, inf)"), DEM_NO_WALL, \
-      DEM_MEANING("of the grains (disk: g/cm^2, without a default in other units)")) \
+      DEM_MEANING("density of the grains (disk: g/cm^2, without a default in other units)")) \
     DEM_CHOICE(X, integrator, DEM_KEY("integrator"), DEM_DEFAULT("verlet"), DEM_INTEGRATOR_LIST, \
       DEM_MEANING("method of time integration")) \
     X(SCENE, RP_REAL, dt, DEM_KEY("dt"), DEM_UNIT("s"), DEM_DEFAULT("5e-5"), DEM_RANGE("(0, inf)"), DEM_NO_WALL, \
@@ -57,62 +57,61 @@
       DEM_AUTOMATIC(m->k_n), DEM_WALL(2.0), DEM_MEANING("normal stiffness" DEM_K_N_UNITS)) \
     X(MATERIAL, RP_REAL, restitution, DEM_KEY("restitution"), DEM_UNIT(""), DEM_DEFAULT("auto"), DEM_RANGE("(0, 1]"), \
       DEM_ALSO(" | auto"), DEM_AUTOMATIC(-1.0), DEM_WALL(1.0), \
-      DEM_MEANING("of two mean grains (of one at a wall), gives gamma_n; hertz: at restitution_speed; auto: by gamma_n")) \
+      DEM_MEANING("coefficient of restitution of two mean grains (at a wall, of one), from which gamma_n follows; hertz: at restitution_speed; auto: gamma_n is used")) \
     X(SCENE, RP_REAL, restitution_speed, DEM_KEY("restitution_speed"), DEM_UNIT("cm/s"), DEM_DEFAULT("none"), \
       DEM_RANGE("(0, inf) | none"), DEM_NO_WALL, \
-      DEM_MEANING("speed of impact at which the restitution of hertz holds; slower impacts lose more")) \
+      DEM_MEANING("impact speed at which `restitution` holds for hertz; slower impacts lose more")) \
     X(MATERIAL, RP_REAL, gamma_n, DEM_KEY("gamma_n"), DEM_UNIT("1/s"), DEM_DEFAULT("auto"), DEM_RANGE("[0, inf)"), \
       DEM_ALSO(" | auto"), DEM_AUTOMATIC(m->restitution > 0.0 || !rate ? -1.0 : rp_units_value(def->units, "1/s", 500.0)), DEM_WALL(1.0), \
-      DEM_MEANING("normal damping" DEM_GAMMA_N_UNITS "; auto: by restitution, else 500/s")) \
+      DEM_MEANING("normal damping" DEM_GAMMA_N_UNITS "; auto: from restitution, otherwise 500/s")) \
     X(SCENE, RP_BOOL, tension, DEM_KEY("tension"), DEM_UNIT(""), DEM_DEFAULT("true"), DEM_RANGE(""), DEM_NO_WALL, \
-      DEM_MEANING("whether the damped normal force may pull, as printed"))
+      DEM_MEANING("whether the damped normal force may be attractive, as in the printed law"))
 
 /* Group `tangential`. */
 #define DEM_TANGENTIAL_PARAMS(X) \
     DEM_CHOICE(X, tangential, DEM_KEY("law"), DEM_DEFAULT("none"), DEM_TANGENTIAL_LAWS, \
-      DEM_MEANING("force along the contact")) \
+      DEM_MEANING("tangential force")) \
     X(MATERIAL, RP_REAL, k_s, DEM_KEY("k_s"), DEM_UNIT("dyn/cm"), DEM_DEFAULT("1e4"), DEM_RANGE("(0, inf)"), DEM_ALSO(""), \
-      DEM_AUTOMATIC(m->k_s), DEM_WALL(1.0), DEM_MEANING("shear stiffness; mindlin: dyn/cm^2")) \
+      DEM_AUTOMATIC(m->k_s), DEM_WALL(1.0), DEM_MEANING("tangential stiffness; mindlin: dyn/cm^2")) \
     X(MATERIAL, RP_REAL, gamma_s, DEM_KEY("gamma_s"), DEM_UNIT("1/s"), DEM_DEFAULT("auto"), DEM_RANGE("[0, inf)"), \
       DEM_ALSO(" | auto"), DEM_AUTOMATIC(dem_is_of_radius(def->tangential) ? (rate ? 0.0 : sqrt(2.0 / 3.0) * m->gamma_n) : rate ? m->gamma_n / 100.0 : -1.0), \
-      DEM_WALL(1.0), DEM_MEANING("shear damping; mindlin: over sqrt(stiffness/m_eff); auto: gamma_n/100 where that is in 1/s; mindlin: " \
-                                 "sqrt(2/3) gamma_n, the same part of critical, or 0 beside a gamma_n in 1/s")) \
+      DEM_WALL(1.0), DEM_MEANING("tangential damping; mindlin: in units of sqrt(stiffness/m_eff); auto: gamma_n/100 if gamma_n is in 1/s; mindlin: sqrt(2/3) gamma_n, the same fraction of critical damping, or 0 if gamma_n is in 1/s")) \
     DEM_MU_PARAM(X, "0.0") \
     DEM_CHOICE(X, slip, DEM_KEY("slip"), DEM_DEFAULT("truncated"), DEM_SLIPS, \
-      DEM_MEANING("shear spring of a sliding contact: cut at the Coulomb limit, or as (2b) is printed")) \
+      DEM_MEANING("tangential spring of a sliding contact: truncated at the Coulomb limit, or as (2b) is printed")) \
     DEM_CHOICE(X, damping, DEM_KEY("damping"), DEM_DEFAULT("inside"), DEM_DAMPINGS, \
-      DEM_MEANING("whether the limit mu F_n holds the shear dashpot with the spring, or leaves it out, as printed"))
+      DEM_MEANING("whether the limit mu F_n applies to spring and dashpot together, or to the spring alone, as (2b) is printed"))
 
 /* Group `rolling`. */
 #define DEM_ROLLING_PARAMS(X) \
     DEM_MU_ROLL_PARAM(X, "0.0") \
-    DEM_CHOICE(X, rolling, DEM_KEY("model"), DEM_DEFAULT("spring"), DEM_ROLLINGS, DEM_MEANING("resistance to rolling")) \
+    DEM_CHOICE(X, rolling, DEM_KEY("model"), DEM_DEFAULT("spring"), DEM_ROLLINGS, DEM_MEANING("model of rolling resistance")) \
     DEM_CHOICE(X, rolling_arm, DEM_KEY("arm"), DEM_DEFAULT("reduced"), DEM_ARMS, \
-      DEM_MEANING("arm of rolling resistance between grains")) \
+      DEM_MEANING("lever arm of rolling resistance between grains")) \
     X(MATERIAL, RP_REAL, k_roll, DEM_KEY("k"), DEM_UNIT("dyn/cm"), DEM_DEFAULT("auto"), DEM_RANGE("[0, inf)"), \
-      DEM_ALSO(" | auto"), DEM_AUTOMATIC(m->k_s), DEM_WALL(1.0), DEM_MEANING("stiffness of rolling; auto: k_s")) \
+      DEM_ALSO(" | auto"), DEM_AUTOMATIC(m->k_s), DEM_WALL(1.0), DEM_MEANING("rolling stiffness; auto: k_s")) \
     X(MATERIAL, RP_REAL, gamma_roll, DEM_KEY("gamma"), DEM_UNIT("1/s"), DEM_DEFAULT("auto"), DEM_RANGE("[0, inf)"), \
-      DEM_ALSO(" | auto"), DEM_AUTOMATIC(m->gamma_s), DEM_WALL(1.0), DEM_MEANING("damping of rolling; auto: gamma_s"))
+      DEM_ALSO(" | auto"), DEM_AUTOMATIC(m->gamma_s), DEM_WALL(1.0), DEM_MEANING("rolling damping; auto: gamma_s"))
 
 /* Two that have no unit, which protocols in other units take by themselves, with defaults of their own. */
 #define DEM_MU_PARAM(X, default_mu) \
     X(MATERIAL, RP_REAL, mu, DEM_KEY("mu"), DEM_UNIT(""), DEM_DEFAULT(default_mu), DEM_RANGE("[0, inf) | infinite"), DEM_ALSO(""), \
-      DEM_AUTOMATIC(m->mu), DEM_WALL(1.0), DEM_MEANING("friction between grains, Coulomb's coefficient"))
+      DEM_AUTOMATIC(m->mu), DEM_WALL(1.0), DEM_MEANING("Coulomb's coefficient of friction between grains"))
 #define DEM_MU_ROLL_PARAM(X, default_mu) \
     X(MATERIAL, RP_REAL, mu_roll, DEM_KEY("mu"), DEM_UNIT(""), DEM_DEFAULT(default_mu), DEM_RANGE("[0, inf) | infinite"), DEM_ALSO(""), \
       DEM_AUTOMATIC(m->mu_roll), DEM_WALL(1.0), \
-      DEM_MEANING("rolling resistance: limit of its force over the normal force"))
+      DEM_MEANING("coefficient of rolling resistance: limit of its force over the normal force"))
 
 /* Radii of grains that are drawn: group `fill`. */
 #define DEM_RADIUS_PARAMS(X) \
     X(FILL, RP_REAL, radius_mean, DEM_KEY("radius_mean"), DEM_UNIT("cm"), DEM_DEFAULT("0.1"), DEM_RANGE("(0, inf)"), DEM_NO_WALL, \
-      DEM_MEANING("of the Gaussian; d is twice this")) \
+      DEM_MEANING("mean radius before the cut; d is twice this")) \
     X(FILL, RP_REAL, radius_width, DEM_KEY("radius_width"), DEM_UNIT("cm"), DEM_DEFAULT("0.02"), DEM_RANGE("[0, inf)"), DEM_NO_WALL, \
-      DEM_MEANING("standard deviation before the cut")) \
+      DEM_MEANING("standard deviation of the radii before the cut")) \
     X(FILL, RP_REAL, radius_min, DEM_KEY("radius_min"), DEM_UNIT("cm"), DEM_DEFAULT("0.07"), DEM_RANGE("(0, inf)"), DEM_NO_WALL, \
-      DEM_MEANING("drawn again below")) \
+      DEM_MEANING("smallest radius: smaller ones are drawn again")) \
     X(FILL, RP_REAL, radius_max, DEM_KEY("radius_max"), DEM_UNIT("cm"), DEM_DEFAULT("0.13"), DEM_RANGE("(0, inf)"), DEM_NO_WALL, \
-      DEM_MEANING("drawn again above"))
+      DEM_MEANING("largest radius: larger ones are drawn again"))
 /* clang-format on */
 
 #define DEM_CONTACT_PARAMS(X) DEM_NORMAL_PARAMS(X) DEM_TANGENTIAL_PARAMS(X) DEM_ROLLING_PARAMS(X)

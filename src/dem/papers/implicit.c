@@ -67,7 +67,7 @@ static rp_status check(const dem_definition *def)
         const dem_wall *wall = &dem_walls_of(def)[w];
         if (!dem_wall_is_line(wall))
             return rp_fail(RP_BAD_INPUT,
-                           "wall %zu: extent = [%g, %g]: the integrator implicit needs whole lines", w + 1,
+                           "wall %zu: extent = [%g, %g]: the integrator implicit needs infinite lines", w + 1,
                            wall->extent[0], wall->extent[1]);
         if (dem_wall_moves(wall))
             return rp_fail(RP_BAD_INPUT, "wall %zu moves, but the integrator implicit needs walls that stand",

@@ -9,25 +9,27 @@ RP_C_BEGIN
 /* Filling: grains at rest. Their radii follow a law, whose shares count grains, or the area or the mass that
  * they have; their places a pattern. */
 #define DEM_RADIUS_LAWS(X)                                                                                   \
-    X(DEM_RADII_GAUSS, gauss, "normal law, cut at radius_min and radius_max")                                \
+    X(DEM_RADII_GAUSS, gauss, "normal distribution, cut at radius_min and radius_max")                       \
     X(DEM_RADII_UNIFORM, uniform,                                                                            \
-      "all radii alike, from radius_mean - sqrt(3) radius_width to "                                         \
-      "radius_mean + sqrt(3) radius_width")                                                                  \
-    X(DEM_RADII_LOGNORMAL, lognormal, "normal law of the logarithm, of this mean and standard deviation")    \
-    X(DEM_RADII_TABLE, table, "those of radii = ( [r, share], ... )")
+      "uniform distribution from radius_mean - sqrt(3) radius_width to radius_mean + sqrt(3) radius_width, " \
+      "cut likewise")                                                                                        \
+    X(DEM_RADII_LOGNORMAL, lognormal,                                                                        \
+      "lognormal distribution with this mean and standard deviation, cut likewise")                          \
+    X(DEM_RADII_TABLE, table, "the radii r and their fractions in radii = ( [r, fraction], ... )")
 typedef enum { DEM_RADIUS_LAWS(DEM_ID) } dem_radius_law;
 #define DEM_SHARES(X)                                                                                        \
-    X(DEM_BY_NUMBER, number, "a share of the grains")                                                        \
-    X(DEM_BY_AREA, area, "a share of the area that they cover")                                              \
-    X(DEM_BY_MASS, mass, "a share of their mass")
+    X(DEM_BY_NUMBER, number, "fractions of the number of grains")                                            \
+    X(DEM_BY_AREA, area, "fractions of the area that the grains cover")                                      \
+    X(DEM_BY_MASS, mass, "fractions of the mass of the grains")
 typedef enum { DEM_SHARES(DEM_ID) } dem_share;
 #define DEM_PATTERNS(X)                                                                                      \
-    X(DEM_PATTERN_RANDOM, random, "one after the other where they overlap none, at random")                  \
+    X(DEM_PATTERN_RANDOM, random, "one after the other, at random, without overlap")                         \
     X(DEM_PATTERN_ROW, row,                                                                                  \
-      "one row from x0 on, each on y0 and touching the last or `spacing` from it, as many as fit in W")      \
+      "one row from x0 on, with the lowest points at y0; neighbours touch or have `spacing`; as many as "    \
+      "fit in W")                                                                                            \
     X(DEM_PATTERN_LATTICE, lattice,                                                                          \
-      "close-packed rows from (x0, y0) on, of the width of the largest grain or `spacing`, as many as fit "  \
-      "in W and H")
+      "close-packed rows from (x0, y0) on, with the diameter of the largest grain or `spacing` as "          \
+      "distance; as many as fit in W and H")
 typedef enum { DEM_PATTERNS(DEM_ID) } dem_pattern;
 
 typedef struct {

@@ -125,7 +125,7 @@ static rp_status check_let(const dem_text *scene, const char *key, bool let, con
 rp_status dem_text_give(dem_text *text, const char *name, const rp_value *value)
 {
     config_setting_t *let = let_of(text, name);
-    if (!let) return rp_fail(RP_BAD_INPUT, "let: the text has no %s", name);
+    if (!let) return rp_fail(RP_BAD_INPUT, "let: the file has no %s", name);
     if (config_setting_is_group(let)) let = member(let, "value");
     if (!let || config_setting_is_aggregate(let)) return RP_OK; /* which its reading refuses */
     put(let, *value);

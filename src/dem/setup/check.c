@@ -90,7 +90,7 @@ rp_status dem_hidden_check(size_t k, const dem_wall *a, size_t j, const dem_wall
     if (k == j || !is_hidden(a, b, r)) return RP_OK;
     return rp_fail(
         RP_BAD_INPUT,
-        "wall %zu: lies on wall %zu, a whole line, and would never act: cut the line into segments, "
+        "wall %zu: lies on wall %zu, an infinite line, and would never act: cut the line into segments, "
         "or leave one out",
         k + 1, j + 1);
 }
@@ -115,7 +115,7 @@ static rp_status check_ground(const dem_definition *def)
         return rp_fail(RP_BAD_INPUT, "ground: wall = %ld: there are %zu walls", g->wall, def->n_walls);
     const dem_wall *w = &dem_walls_of(def)[g->wall - 1];
     if (w->open_at_step >= 0 || !dem_wall_is_line(w) || dem_wall_moves(w))
-        return rp_fail(RP_BAD_INPUT, "ground: wall = %ld: must be a whole line that never opens or moves",
+        return rp_fail(RP_BAD_INPUT, "ground: wall = %ld: must be an infinite line that never opens or moves",
                        g->wall);
     if (dem_has_spring(def->tangential))
         return rp_fail(RP_BAD_INPUT, "ground: the tangential law %s has static friction of its own",
@@ -132,7 +132,8 @@ static rp_status check_hard(const dem_definition *def)
     RP_TRY(rp_check_range("hard: mu", hard->mu, 0.0, INFINITY, "[0, inf) | infinite"));
     /* a pair that has just collided must not be held back */
     if (def->tension)
-        return rp_fail(RP_BAD_INPUT, "hard: collisions need normal forces that do not pull, tension = false");
+        return rp_fail(RP_BAD_INPUT,
+                       "hard: collisions need normal forces that are never attractive, tension = false");
     return RP_OK;
 }
 

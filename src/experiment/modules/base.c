@@ -60,19 +60,21 @@ typedef struct {
 } base_params;
 
 static const rp_param schema[] = {{"fixed", "", RP_BOOL, offsetof(base_params, fixed), "false", "",
-                                   "whether grains that never move are part of the base"},
+                                   "whether fixed grains are part of the base"},
                                   {0}};
 
 enum { LOAD, CENTROID, WIDTH, DIP, MIDDLE, EXCESS, SHEAR, N_01, RAYS_01 = N_01 + STRESS_DIP_BINS };
-#define N_ROW(k)    {"_n_" #k, "", "pressure in bin " #k " of 20 over the width, over its mean"},
-#define RAYS_ROW(k) {"_rays_" #k, "", "that of rays at 60 degrees under the outline"},
+#define N_ROW(k)    {"_n_" #k, "", "pressure in bin " #k " of 20 across the width, over the mean pressure"},
+#define RAYS_ROW(k) {"_rays_" #k, "", "the same of rays at 60 degrees under the outline"},
 static const exp_output outputs[] = {
     {"_load", "dyn", "force normal to the wall"},
-    {"_centroid", "cm", "its centroid, along x"},
-    {"_width", "cm", "width about it that holds 98 % of it"},
-    {"_dip", "", "mean pressure within 0.1 of the width from the centroid, less that from there to 0.3"},
-    {"_middle", "", "the same, less that from 0.1 to 0.2"},
-    {"_excess", "", "the same, less that of rays at 60 degrees under the outline"},
+    {"_centroid", "cm", "x of the centroid of this force"},
+    {"_width", "cm", "width about the centroid that carries 98 % of the load"},
+    {"_dip", "",
+     "mean pressure within 0.1 of the width from the centroid, minus that from 0.1 to 0.3, over the mean "
+     "pressure"},
+    {"_middle", "", "the same, minus that from 0.1 to 0.2"},
+    {"_excess", "", "the same, minus that of rays at 60 degrees under the outline"},
     {"_shear", "", "outward force along the wall, both flanks, over the load"},
     STRESS_DIP_BIN_LIST(N_ROW) STRESS_DIP_BIN_LIST(RAYS_ROW){0}};
 

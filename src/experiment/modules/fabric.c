@@ -10,7 +10,7 @@ typedef struct {
 
 static const rp_param schema[] = {
     {"about", "cm", RP_REAL, offsetof(fabric_params, about), "none", "(-inf, inf) | none",
-     "contacts on the left of this x are mirrored: of a pile, the x of its middle"},
+     "contacts to the left of this x are mirrored; for a pile, x of its middle"},
     {"apart", "cm", RP_REAL, offsetof(fabric_params, apart), "0", "[0, inf)",
      "contacts nearer than this to `about` are left out"},
     {0}};
@@ -19,10 +19,10 @@ enum { FABRIC, FABRIC_DEG, FORCE, FORCE_DEG, CONTACTS };
 static const exp_output outputs[] = {
     {"_fabric", "", "anisotropy of the contacts' directions, |mean exp(2 i direction)|"},
     {"_fabric_deg", "degree",
-     "their principal direction from the vertical, positive if its upper end leans to +x"},
-    {"_force", "", "anisotropy with each contact by its normal force"},
-    {"_force_deg", "degree", "that principal direction"},
-    {"_contacts", "", "contacts between the grains"},
+     "principal direction of the contacts from the vertical, positive if its upper end leans to +x"},
+    {"_force", "", "the same anisotropy, with contacts weighted by their normal force"},
+    {"_force_deg", "degree", "principal direction with these weights"},
+    {"_contacts", "", "number of contacts between the grains"},
     {0}};
 
 static rp_status evaluate(const exp_view *s, const void *params, double out[])

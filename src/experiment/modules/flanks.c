@@ -13,23 +13,24 @@ typedef struct {
 
 #define AT(field) offsetof(flanks_params, field)
 static const rp_param schema[] = {
-    {"from", "", RP_REAL, AT(from), "0.1", "[0, 1)", "lowest height that counts, of that of the heap"},
-    {"to", "", RP_REAL, AT(to), "0.9", "(0, 1]", "highest height that counts"},
+    {"from", "", RP_REAL, AT(from), "0.1", "[0, 1)",
+     "lowest height that counts, as a fraction of the height of the heap"},
+    {"to", "", RP_REAL, AT(to), "0.9", "(0, 1]", "highest height that counts, likewise"},
     {"touching", "", RP_BOOL, AT(touching), "true", "",
-     "the largest cluster of grains that touch alone: none that flies or has run out"},
+     "whether only the largest cluster of touching grains counts, without grains that fly or have run out"},
     {0}};
 
 enum { LEFT, RIGHT, MEAN, LEFT_ERROR, RIGHT_ERROR, MEAN_ERROR, HEIGHT, APEX, WIDTH };
 static const exp_output outputs[] = {
     {"_left_deg", "degree", "slope of the left flank"},
     {"_right_deg", "degree", "slope of the right flank"},
-    {"_mean_deg", "degree", "mean of both"},
+    {"_mean_deg", "degree", "mean of the two slopes"},
     {"_left_error_deg", "degree", "standard error, from the scatter of the heights"},
     {"_right_error_deg", "degree", "standard error, from the scatter of the heights"},
     {"_mean_error_deg", "degree", "standard error, from the scatter of the heights"},
     {"_height", "cm", "highest point of the heap above y = 0 or the region's lower end"},
     {"_apex", "cm", "x of the highest point"},
-    {"_width", "cm", "from the leftmost to the rightmost point"},
+    {"_width", "cm", "distance from the leftmost to the rightmost point"},
     {0}};
 
 /* The flank on one side of the apex's column: the columns outwards until one is empty or below the lowest
@@ -49,7 +50,7 @@ static rp_status flank(ang_surface *s, size_t apex, int side, const flanks_param
     for (size_t k = lo; k <= hi; k++)
         if (s->h[k] <= p->to * top) s->column[lo + n] = s->column[k], s->h[lo + n++] = s->h[k];
     if (n < LEAST)
-        return rp_fail(RP_NO_RESULT, "%zu columns on the %s flank; %d or more expected", n, names[side],
+        return rp_fail(RP_NO_RESULT, "%zu surface bins on the %s flank; %d or more expected", n, names[side],
                        LEAST);
     RP_TRY(ang_slopes(n, s->column + lo, s->h + lo, s->cell, ANG_PARABOLA_FREE, slopes));
     out[side] = (side ? 1.0 : -1.0) * slopes[1].theta * (180.0 / M_PI);

@@ -23,17 +23,19 @@ static bool is_in(const exp_view *s, const dem_contact *c)
 
 enum { N, H, SXX, SXY, SYX, SYY, FRICTION, BULK, COUPLE, WEIGHT_ERROR, BALANCE_ERROR };
 static const exp_output outputs[] = {
-    {"_n", "weight", "normal force on the floor, over all grains' weight normal to it"},
+    {"_n", "weight", "normal force on the floor, over the component of all grains' weight normal to it"},
     {"_h", "weight", "force of the grains along the floor, to the right"},
     {"_sxx", "weight d", "sum over the contacts of force along x times branch along x"},
     {"_sxy", "weight d", "sum of force along x times branch along y"},
     {"_syx", "weight d", "sum of force along y times branch along x"},
     {"_syy", "weight d", "sum of force along y times branch along y"},
     {"_friction", "", "h/n"},
-    {"_bulk", "", "tangent of the angle that the mean stress mobilises; none where a plane pulls"},
+    {"_bulk", "",
+     "tangent of the friction angle that the mean stress mobilises; nan if a plane is in tension"},
     {"_couple", "", "half of xy - yx, over the mean pressure"},
-    {"_weight_error", "weight", "floor, walls and shear through the ends less the weight of the grains"},
-    {"_balance_error", "m g", "largest net force on a grain with a contact, of its contacts and weight"},
+    {"_weight_error", "weight",
+     "forces of floor and walls and shear through the ends, minus the weight of the grains"},
+    {"_balance_error", "m g", "largest net force of contacts and weight on a grain with a contact"},
     {0}};
 
 /* Net force on each grain, by its id: what is missing in the vertical balance of the region, within which
@@ -112,11 +114,11 @@ EXP_MODULE(forces, "forces on a level floor, mean stress and balance", "no_pile"
 
 enum { FLOOR, WALLS, INSIDE, ALL, FORCE };
 static const exp_output limit_outputs[] = {
-    {"_floor", "", "share of the contacts with the floor"},
-    {"_walls", "", "share of those with other walls"},
-    {"_inside", "", "share of those between grains"},
-    {"_all", "", "share of all"},
-    {"_force", "", "share of the normal force that they carry, without contacts that pull"},
+    {"_floor", "", "fraction of the contacts with the floor"},
+    {"_walls", "", "fraction of the contacts with other walls"},
+    {"_inside", "", "fraction of the contacts between grains"},
+    {"_all", "", "fraction of all contacts"},
+    {"_force", "", "fraction of the normal force that they carry, without attractive contacts"},
     {0}};
 
 /* Has its spring come to the limit of Coulomb's law? It holds mu times the normal force of its last step, so
@@ -146,8 +148,8 @@ static rp_status count(const exp_view *s, const void *params, double out[])
     return RP_OK;
 }
 
-EXP_MODULE(
-    limit,
-    "contacts, by their first grain in the region, whose spring is at the limit of friction, or that pull",
-    "no_contacts", exp_no_keys, char, limit_outputs, EXP_BOUNDED | EXP_ON_WALL | EXP_ON_CONTACTS,
-    .evaluate = count);
+EXP_MODULE(limit,
+           "contacts whose spring is at the limit of friction, or that are attractive, by the place of their "
+           "first grain",
+           "no_contacts", exp_no_keys, char, limit_outputs, EXP_BOUNDED | EXP_ON_WALL | EXP_ON_CONTACTS,
+           .evaluate = count);

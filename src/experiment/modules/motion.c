@@ -12,18 +12,19 @@
 enum { QUARTERS = 4, SURFACE = 0, BULK = 1, BASE = 2, LAYERS = 3 };
 enum { NONAFFINE, SHARE, MOVES_X, MOVES_Y, MOVES_DEPTH, REACH, ALL_X, ALL_Y, ALL_DEPTH, MOVED };
 #define ZONE(k)                                                                                              \
-    {"_surface_" #k, "", "share of the grains that have moved 0.1 d: surface, 1.5 d, quarter " #k},          \
-        {"_inside_" #k, "", "the same of the inside, quarter " #k},                                          \
-        {"_floor_" #k, "", "the same of the floor, grains lower than d, quarter " #k},
+    {"_surface_" #k, "",                                                                                     \
+     "fraction of the grains that have moved 0.1 d: within 1.5 d of the surface, quarter " #k},              \
+        {"_inside_" #k, "", "the same inside, quarter " #k},                                                 \
+        {"_floor_" #k, "", "the same on the floor, marked lower than d, quarter " #k},
 static const exp_output outputs[] = {
-    {"_nonaffine", "d", "root mean square displacement less the best affine one"},
-    {"_share", "", "share of these squares in those of the displacement about its mean"},
-    {"_x", "", "distance from the left end over the width, mean over the grains with the squares as weights"},
-    {"_y", "d", "the same of the height over y = 0, or over the region's lower end"},
-    {"_depth", "d", "the same of the depth below the surface"},
+    {"_nonaffine", "d", "root mean square displacement minus the best affine one"},
+    {"_share", "", "sum of these squares over that of the displacements from their mean"},
+    {"_x", "", "distance from the left end over the width, mean over the grains weighted by these squares"},
+    {"_y", "d", "the same weighted mean of the height above y = 0, or above the region's lower end"},
+    {"_depth", "d", "the same weighted mean of the depth below the surface"},
     {"_reach", "d", "displacement that 5 % of the grains exceed"},
     {"_all_x", "", "distance from the left end over the width, mean over the grains"},
-    {"_all_y", "d", "height over the same, mean over the grains"},
+    {"_all_y", "d", "height above y = 0, or above the region's lower end, mean over the grains"},
     {"_all_depth", "d", "depth below the surface, mean over the grains"},
     ZONE(1) ZONE(2) ZONE(3) ZONE(4){0}};
 
@@ -139,5 +140,7 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
     return RP_OK;
 }
 
-EXP_MODULE(motion, "displacements from the marks in a region, less the best affine one", "no_pile",
-           exp_no_keys, char, outputs, EXP_BOUNDED, .evaluate = evaluate);
+EXP_MODULE(motion,
+           "displacements from the marks in a region, minus the best affine one; x, y and depth are those of "
+           "the marks, and quarter 1 of the width is the left one",
+           "no_pile", exp_no_keys, char, outputs, EXP_BOUNDED, .evaluate = evaluate);

@@ -7,12 +7,13 @@
 #include "experiment/modules/module.h"
 
 static const exp_output outputs[] = {
-    {"_psi6", "", "mean |psi_6| of the grains with two or more neighbours, those within 1.25 (r_i + r_j)"},
-    {"_packed", "", "share of the grains that are close-packed: six neighbours, |psi_6| at least 0.9"},
+    {"_psi6", "",
+     "mean |psi_6| of the grains with two or more neighbours, which are grains within 1.25 (r_i + r_j)"},
+    {"_packed", "", "fraction of the grains that are close-packed: six neighbours, |psi_6| at least 0.9"},
     {"_strongest_60", "",
-     "share of the contacts than which one of their grains has no stronger, that run within 10 degrees of 60 "
-     "or 120"},
-    {"_packed_60", "", "the same of contacts between close-packed grains"},
+     "among the contacts that are the strongest of one of their grains, the fraction within 10 degrees of 60 "
+     "or 120 degrees"},
+    {"_packed_60", "", "the same for contacts between close-packed grains"},
     {0}};
 
 double exp_bond_order(size_t n, const dem_state grains[], double order[], int neighbours[])
@@ -107,5 +108,5 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
     return RP_OK;
 }
 
-EXP_MODULE(order, "bond order of grains and all their neighbours, those beside the region too", "no_pile",
-           exp_no_keys, char, outputs, EXP_ON_CONTACTS, .evaluate = evaluate);
+EXP_MODULE(order, "bond order of grains; neighbours outside the region count too", "no_pile", exp_no_keys,
+           char, outputs, EXP_ON_CONTACTS, .evaluate = evaluate);

@@ -13,7 +13,7 @@ typedef struct {
 enum { ALONG_X, ALONG_Y };
 static const rp_param schema[] = {
     {"along", "", RP_CHOICE, offsetof(profile_params, along), "y", "x | y", "direction of the bins"},
-    {"bins", "", RP_INT, offsetof(profile_params, bins), "20", "[1, 10000]", "of the region"},
+    {"bins", "", RP_INT, offsetof(profile_params, bins), "20", "[1, 10000]", "number of bins in the region"},
     {0}};
 
 static const exp_output outputs[] = {{0}};
@@ -90,6 +90,7 @@ static void write(const void *params, rp_units units, double samples, const doub
 }
 
 EXP_MODULE(profile,
-           "fraction and velocity of grains by their centres, and stress, in bins of a region: a table alone",
+           "solid fraction, mean velocity of the grains by their centres, and stress, in bins of a region; a "
+           "table, without columns",
            "no_region", schema, profile_params, outputs, EXP_ON_CONTACTS, .room = room, .add = add,
            .write = write);

@@ -14,23 +14,26 @@ typedef struct {
 #define AT(field) offsetof(slope_params, field)
 static const rp_param schema[] = {
     {"falls", "", RP_CHOICE, AT(falls), "right", "right | left", "side to which the surface falls"},
-    {"height", "", RP_CHOICE, AT(height), "centre", ANG_HEIGHT_WORDS, "of a column of width about d"},
-    {"empty", "", RP_CHOICE, AT(empty), "zero", ANG_EMPTY_WORDS, "height of an empty column"},
-    {"parabola", "", RP_CHOICE, AT(parabola), "free", ANG_PARABOLA_WORDS, "of method 3"},
+    {"height", "", RP_CHOICE, AT(height), "centre", ANG_HEIGHT_WORDS,
+     "height of a surface bin, about d wide: highest centre - d/2 (at least 0), highest centre, or highest "
+     "point"},
+    {"empty", "", RP_CHOICE, AT(empty), "zero", ANG_EMPTY_WORDS, "empty bins have height 0, or are left out"},
+    {"parabola", "", RP_CHOICE, AT(parabola), "free", ANG_PARABOLA_WORDS,
+     "parabola of method 3: three coefficients, or through the origin"},
     {"from", "", RP_REAL, AT(from), "0", "[0, 1)",
-     "share of the width that is left out, on the side that the surface falls from"},
+     "fraction of the width that is left out, on the side that the surface falls from"},
     {"to", "", RP_REAL, AT(to), "1", "(0, 1]",
-     "share of the width, from there, where the columns that are used end"},
+     "fraction of the width, from the same side, up to which bins are used"},
     {0}};
 
 static const exp_output outputs[] = {
-    {"_r1_deg", "degree", "slope from the first to the last column"},
-    {"_r2_deg", "degree", "slope of the straight line"},
+    {"_r1_deg", "degree", "slope from the first to the last surface bin"},
+    {"_r2_deg", "degree", "slope of the straight line through the heights"},
     {"_r3_deg", "degree", "slope by the parabola through the running sum of heights"},
-    {"_r3_error_deg", "degree", "standard error of the last, from the scatter of the heights"},
-    {"_r12_deg", "degree", "the first less the second"},
-    {"_r23_deg", "degree", "the second less the third"},
-    {"_cells", "", "columns that hold a grain, also those left out"},
+    {"_r3_error_deg", "degree", "standard error of method 3, from the scatter of the heights"},
+    {"_r12_deg", "degree", "slope by method 1 minus slope by method 2"},
+    {"_r23_deg", "degree", "slope by method 2 minus slope by method 3"},
+    {"_cells", "", "number of surface bins that hold a grain, including those left out"},
     {0}};
 
 /* The columns of a surface that count, [first, first + n). Afterwards ang_surface_free, also after an error.
@@ -44,7 +47,7 @@ static rp_status find_columns(const exp_view *s, const slope_params *p, ang_surf
     double *x;
     *first = *n = 0;
     if (!(s->hi[0] - s->lo[0] >= 0.5 * s->d))
-        return rp_fail(RP_NO_RESULT, "the region goes from x = %g to %g, less than a column", s->lo[0],
+        return rp_fail(RP_NO_RESULT, "the region goes from x = %g to %g, less than a surface bin", s->lo[0],
                        s->hi[0]);
     RP_NEW(&memory, x, 3 * s->n);
     double *y = x + s->n, *r = y + s->n;
@@ -59,7 +62,7 @@ static rp_status find_columns(const exp_view *s, const slope_params *p, ang_surf
         *first += (double)surface->column[k] < lo;
         *n += (double)surface->column[k] >= lo && (double)surface->column[k] < hi;
     }
-    return *n >= 3 ? RP_OK : rp_fail(RP_NO_RESULT, "%zu columns, at least 3 needed", *n);
+    return *n >= 3 ? RP_OK : rp_fail(RP_NO_RESULT, "%zu surface bins, at least 3 needed", *n);
 }
 
 static rp_status slopes_of(const ang_surface *s, size_t first, size_t n, int parabola,
@@ -85,7 +88,8 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
     return RP_OK;
 }
 
-EXP_MODULE(slope, "slope of a surface that falls to one side, over y = 0 or the region's lower end",
+EXP_MODULE(slope,
+           "slope of a surface that falls to one side, with heights above y = 0 or the region's lower end",
            "no_pile", schema, slope_params, outputs, EXP_BOUNDED, .evaluate = evaluate);
 
 /* ---- what else the surface says ---- */
@@ -96,16 +100,18 @@ typedef struct {
 } surface_params;
 
 #define OF_SURFACE(field) offsetof(surface_params, field)
-static const rp_param surface_schema[] = {
-    {"falls", "", RP_CHOICE, OF_SURFACE(slope.falls), "right", "right | left",
-     "side to which the surface falls"},
-    {"mu", "", RP_REAL, OF_SURFACE(mu), "none", "[0, inf) | none", "friction of the floor, for theta_t"},
-    {0}};
+static const rp_param surface_schema[] = {{"falls", "", RP_CHOICE, OF_SURFACE(slope.falls), "right",
+                                           "right | left", "side to which the surface falls"},
+                                          {"mu", "", RP_REAL, OF_SURFACE(mu), "none", "[0, inf) | none",
+                                           "coefficient of friction of the floor, for theta_t"},
+                                          {0}};
 
 static const exp_output surface_outputs[] = {
-    {"_scatter", "d", "root mean square of the heights about their straight line"},
-    {"_steepest_deg", "degree", "steepest straight line through two fifths of the columns, neighbours"},
-    {"_theta_t_deg", "degree", "tilt at which (4), balanced, lets a pile of this slope (method 3) move"},
+    {"_scatter", "d", "root mean square deviation of the heights from their straight line"},
+    {"_steepest_deg", "degree",
+     "slope of the steepest straight line through two fifths of the bins in a row"},
+    {"_theta_t_deg", "degree",
+     "tilt at which a pile of this slope (method 3) slides, by (4) of Lee & Herrmann 1993, balanced"},
     {0}};
 
 static rp_status evaluate_surface(const exp_view *s, const void *params, double out[])
@@ -137,7 +143,8 @@ static rp_status evaluate_surface(const exp_view *s, const void *params, double 
     return RP_OK;
 }
 
-EXP_MODULE(
-    surface,
-    "scatter and steepest part of a surface that falls to one side, and the tilt of LH's (4) for its slope",
-    "no_pile", surface_schema, surface_params, surface_outputs, EXP_BOUNDED, .evaluate = evaluate_surface);
+EXP_MODULE(surface,
+           "scatter and steepest part of a surface that falls to one side, and the tilt at which it slides "
+           "by (4) of Lee & Herrmann 1993",
+           "no_pile", surface_schema, surface_params, surface_outputs, EXP_BOUNDED,
+           .evaluate = evaluate_surface);
