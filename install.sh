@@ -8,9 +8,9 @@ umask 022
 list=share/doc/repose/installed.txt
 remove() { # remove FOLDER
     if ! [ -f "$1/$list" ]; then return; fi # nothing is there, or of a version without a list
-    LC_ALL=C sort -r "$1/$list" | while read -r name; do # a folder after what lies in it
-        case $name in */) rmdir "$1/$name" 2>/dev/null || true ;; *) rm -f "$1/$name" ;; esac
-    done
+    folders=$(LC_ALL=C grep '/$' "$1/$list" | LC_ALL=C sort -r) # a folder after what lies in it
+    (cd "$1" && grep -v '/$' $list | xargs -d '\n' rm -f --)
+    echo "$folders" | while read -r name; do rmdir "$1/$name" 2>/dev/null || true; done
 }
 if [ "$1" = --remove ]; then
     [ -f "$2/$list" ] || { echo "$2: no installation with a list of its files" >&2 && exit 1; }
@@ -95,9 +95,6 @@ names=$(cd "$to" && find . -type d -printf '%P/\n' -o -printf '%P\n' | while rea
     esac
 done)
 echo "$names" | LC_ALL=C sort >"$to/$list"
-while read -r name; do # folders that are links stay so
-    case $name in
-    */) mkdir -p "$target/$name" ;;
-    *) mkdir -p "$target/${name%/*}" && cp -P -T --remove-destination "$to/$name" "$target/$name" ;;
-    esac
-done <"$to/$list"
+target=$(realpath -m "$target")
+grep '/$' "$to/$list" | while read -r name; do mkdir -p "$target/$name"; done # those that are links stay so
+cd "$to" && grep -v '/$' $list | xargs -d '\n' cp -P --parents --remove-destination -t "$target"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # What static analysis and valgrind say of the program, against tests/analyze.txt, which lists each finding that is no fault and why.
-# Arguments: the build folder, the number of processes, and "readers" for gcc -fanalyzer alone, of the rooms that read the bytes of
-# strangers: 40 s of processor time, where all rooms take four minutes. Else tools that are missing are installed.
+# Arguments: the build folder, the number of processes, and "readers" for gcc -fanalyzer alone, of the files that read the bytes of
+# strangers: 25 s of processor time, where all files take four minutes. Else tools that are missing are installed.
 # A finding is a line "tool file id"; a new one, and a line of the list that no tool finds any longer, is status 1.
 build=$1 jobs=$2 part=$3
 export LC_ALL=C
@@ -13,7 +13,7 @@ flags="-include tests/analyze.h -D_GNU_SOURCE -Isrc -I. -std=c11 -w $(pkg-config
 files=$(ls src/*/*.c src/*/*/*.c analytic/*.c report/*.c sweeps/*/*.c | grep -v core/status.c)
 # the list is of what this compiler finds; others find more and less
 [ -z "$part" ] || [ "$(gcc -dumpversion)" = 12 ] || { echo "analyze: left out: gcc $(gcc -dumpversion), not 12"; exit; }
-[ -z "$part" ] || files=$(printf '%s\n' $files | grep -E '^(src/(core|params|table|dem/scene|run|export|view)|sweeps/engine)/')
+[ -z "$part" ] || files=$(printf '%s\n' $files | grep -E '^(src/(core/(file|folder|snapshot)|params/|table/|dem/(snapshot|scene/(read|set))|view/read)|sweeps/engine/(store|plan|experiment))')
 checks='-*,bugprone-*,-bugprone-easily-swappable-parameters'
 checks="$checks,-bugprone-narrowing-conversions,-bugprone-implicit-widening-of-multiplication-result,-bugprone-macro-parentheses"
 checks="$checks,-bugprone-branch-clone,-bugprone-reserved-identifier"

@@ -252,7 +252,7 @@ static void test_sparse(void)
         double y; /* of the last */
     } cases[] = {{"N = 3; W = 0.5; H = 1e9;", 3, 0.1 * (1.0 + 1.7320508075688772)},
                  {"W = 0.25; H = 1.0;", 3, 0.1 * (1.0 + 4.0 * 1.7320508075688772)},
-                 {"N = 3; W = 0.15; H = 1e9;", 0, 0.0}};
+                 {"N = 3; W = 0.15; H = 1e7;", 0, 0.0}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         scoped_scene s;
         scoped dem_grain *grains = NULL;

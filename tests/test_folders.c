@@ -207,20 +207,21 @@ static void test_random_folders(void)
 /* ---- one call fails, or the process is killed ---- */
 
 static long failing;
+static fault failing_kind;
 
 static void order_failure(void)
 {
-    fault_order(FAULT_FILE, failing, false);
+    fault_order(failing_kind, failing, false);
 }
 
 static void order_nothing(void)
 {
 }
 
-/* Whichever call for files fails, a command ends with a message, or with all that it makes otherwise. */
-static void test_failing_calls(void)
+/* Whichever call for files or memory fails, a command ends with a message, or with all that it makes
+ * otherwise. Calls for memory are many: ever fewer of the later ones fail. */
+static void check_failing(fault kind, long most)
 {
-    enum { MOST_CALLS = 400 };
     static const char *const commands[] = {"run s.cfg -o n",
                                            "run w.cfg --row 1 -o n",
                                            "pile --base 4 -o n",
@@ -231,8 +232,10 @@ static void test_failing_calls(void)
                                            "export r --to lammps -o n.dump",
                                            "export r --to vtk -o n.pvd",
                                            "export s.cfg --to lammps-input -o n.in",
+                                           "view r -o n.svg",
                                            "calibrate f.cfg"};
-    if (CHECK_SKIPS("sanitizers have functions of their own for files")) return;
+    if (CHECK_SKIPS("sanitizers have functions of their own for files and memory")) return;
+    failing_kind = kind;
     fault_seen = mmap(NULL, sizeof *fault_seen, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     CU_ASSERT_FATAL(fault_seen != MAP_FAILED);
     write_text("s.cfg", SCENE);
@@ -244,11 +247,13 @@ static void test_failing_calls(void)
     GOOD("sweep plan w.cfg -o part");
     CU_ASSERT(run("sweep run part --shard 1/2 -j 1 --quiet") == 0);
     for (size_t k = 0; k < sizeof commands / sizeof *commands; k++) {
-        const long step = getenv("RP_DRILL") || k == 0 ? 1 : 10;
+        const bool files = kind == FAULT_FILE, all = getenv("RP_DRILL") != NULL;
+        const long step = files && !all && k > 0 ? 10 : 1, part = files ? most : all ? 50 : 2;
         SHELL("rm -rf n*");
         const int whole = run_begun(commands[k], order_nothing);
         SHELL("{ find n* -type f | sort; cat n*/.repose; } 2>/dev/null >files; tail -n +6 out >printed; :");
-        for (failing = 1 + (long)k % step, *fault_seen = true; *fault_seen; failing += step) {
+        for (failing = 1 + (long)k % step, *fault_seen = true; *fault_seen;
+             failing += step + failing / part) {
             SHELL("rm -rf n*");
             *fault_seen = false;
             const int end = run_begun(commands[k], order_failure);
@@ -260,9 +265,19 @@ static void test_failing_calls(void)
             CHECK_OR_SAY(same || (end != 0 && end < 128 && *err), "%s: call %ld: %d %s", commands[k], failing,
                          end, err);
         }
-        CU_ASSERT(failing > 1 + (long)k % step && failing < MOST_CALLS);
+        CU_ASSERT(failing > 1 + (long)k % step && failing < most);
     }
     fault_seen = NULL;
+}
+
+static void test_failing_calls(void)
+{
+    check_failing(FAULT_FILE, 400);
+}
+
+static void test_failing_memory(void)
+{
+    check_failing(FAULT_MALLOC, 1000000);
 }
 
 /* Names with control characters, in a message, a closing line, a note and what a plan prints. */
@@ -335,4 +350,5 @@ static void test_killed_exports(void)
 }
 
 CHECK_SUITE_WITHIN(folders, "folders", enter, leave, test_refusals, test_forced, test_publish, test_sweeps,
-                   test_random_folders, test_terminal, test_most, test_failing_calls, test_killed_exports)
+                   test_random_folders, test_terminal, test_most, test_failing_calls, test_failing_memory,
+                   test_killed_exports)

@@ -172,7 +172,12 @@ INLINE unsigned do_pairs(const work *w, size_t k, const geometry *g)
 /* A spring ends with its contact. One pair at a time: those that touch are listed first, without a branch.
  * Several: a block without touch is left at once. In any other all is computed for all pairs; pairs that do
  * not touch then get a spring and a force of 0. The list ends in pairs that never touch. */
-INLINE void pair_loop(dem_sim *sim, size_t from, size_t to, double h, features with)
+#ifdef __SANITIZE_ADDRESS__ /* one for all features: instances with sanitizers take minutes to compile */
+#define INSTANCE static __attribute__((noipa))
+#else
+#define INSTANCE INLINE
+#endif
+INSTANCE void pair_loop(dem_sim *sim, size_t from, size_t to, double h, features with)
 {
     const num zero = {0};
     const work w = {sim->grains, sim->pairs, h, zero + sim->r_min, with};
