@@ -126,6 +126,9 @@ static rp_status read_module(exp_plan *plan, const config_setting_t *setting, ex
     if (!m->params) return RP_NO_MEMORY;
     rp_params_defaults(m->module->schema, plan->scene.def.units, m->params);
     RP_TRY(rp_config_peek(setting, m->module->schema, NULL, m->params));
+    for (const rp_param *p = m->module->schema; p->name; p++)
+        if (!p->fallback && !member(setting, p->name))
+            return rp_config_fail(setting, "%s: missing (%s)", p->name, p->meaning);
     const rp_param *from = rp_params_find(m->module->schema, "from"),
                    *to = rp_params_find(m->module->schema, "to");
     const char *params = m->params;
