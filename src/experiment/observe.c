@@ -35,7 +35,7 @@ const char *exp_region_fault(const exp_within *a)
 exp_within exp_within_now(exp_run *run, const exp_scope *scope)
 {
     exp_within a = {.all = !(scope->sort & EXP_REGION)};
-    if (scope->sort & EXP_KIND) a.kinds = run->kinds, a.kind = (int32_t)scope->kind;
+    if (scope->sort & EXP_KIND) a.kinds = run->kinds, a.kind = (uint32_t)scope->kind;
     if (a.all) return a;
     const exp_region *r = &run->plan->regions[scope->index];
     a.circle = r->circle;
@@ -449,8 +449,7 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
     exp_samples *samples = &run->samples[m - plan->measures];
     exp_view view = {.d = plan->d,
                      .m = plan->m,
-                     .kinds = run->kinds,
-                     .kind = m->scope.sort & EXP_KIND ? (int32_t)m->scope.kind : -1,
+                     .kind = (uint32_t)m->scope.kind,
                      .sim = run->sim,
                      .mu = exp_laws(run)->mu,
                      .n_marks = run->marks ? run->n_ids : 0,

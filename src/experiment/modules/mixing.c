@@ -29,11 +29,6 @@ static const exp_output outputs[] = {
     {"_cells", "", "cells that hold a grain"},
     {0}};
 
-static bool is_own(const exp_view *s, const dem_state *g)
-{
-    return s->kinds[g->id - 1] == s->kind;
-}
-
 /* A grain in its cell. */
 typedef struct {
     double x, y;
@@ -63,7 +58,7 @@ static rp_status lacey(const exp_view *s, const mixing_params *params, double p,
     RP_NEW(&memory, at, s->n);
     for (size_t i = 0; i < s->n; i++) {
         const dem_state *g = &s->grains[i];
-        at[i].own = is_own(s, g);
+        at[i].own = g->kind == s->kind;
         if (params->along != ALONG_Y) at[i].x = cell_at(g->x, s->lo[0], params->cell);
         if (params->along != ALONG_X) at[i].y = cell_at(g->y, s->lo[1], params->cell);
     }
@@ -88,7 +83,7 @@ static double unlike(const exp_view *s, double p)
         const dem_state *a = exp_grain_of(s->n, s->grains, c->id_a),
                         *b = exp_grain_of(s->n, s->grains, c->id_b);
         if (!a || !b) continue;
-        contacts++, differ += is_own(s, a) != is_own(s, b);
+        contacts++, differ += (a->kind == s->kind) != (b->kind == s->kind);
     }
     return differ / contacts / shuffled;
 }
@@ -97,7 +92,7 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
 {
     double n[2] = {0.0}, m[2] = {0.0}, x[2] = {0.0}, y[2] = {0.0};
     for (const dem_state *g = s->grains; g < s->grains + s->n; g++) {
-        const bool own = is_own(s, g);
+        const bool own = g->kind == s->kind;
         n[own]++, m[own] += g->m, x[own] += g->m * g->x, y[own] += g->m * g->y;
     }
     if (!(n[0] > 0.0 && n[1] > 0.0))

@@ -20,10 +20,9 @@ enum { EXP_MODULE_OUTPUTS = 64 }; /* most of a module */
 typedef struct {
     size_t n;
     const dem_state *grains;
-    double d, m;          /* diameter and mass of the mean grain */
-    double lo[2], hi[2];  /* of the region, infinite without */
-    const int32_t *kinds; /* by ids from 1 on */
-    int32_t kind;         /* that its grains are of, or are told from; -1: any */
+    double d, m;         /* diameter and mass of the mean grain */
+    double lo[2], hi[2]; /* of the region, infinite without */
+    uint32_t kind;       /* that its grains are of, or are told from; 0: any */
     const dem_sim *sim;
     double mass;         /* of all grains that move */
     double mu;           /* of contacts between grains */
