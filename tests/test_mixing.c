@@ -349,5 +349,98 @@ static void swept(void)
     CHECK_NEAR(cell(&answer, 0, "value"), 4.0, 0.3);
 }
 
+/* ---- tables, exports, pictures ---- */
+
+static const char layers[] =
+    "dt = 5e-5; steps = 10;\n%s"
+    "walls = ( { polygon = ( (0.0, 20.0), (0.0, 0.0), (4.0, 0.0), (4.0, 20.0) ); closed = false; } );\n"
+    "fill = ( { kind = `%s`; N = 20; W = 4.0; H = 1.5; }, { kind = `%s`; N = 10; W = 4.0; y0 = 1.5; H = 1.0; "
+    "},\n"
+    "  { %s N = 5; W = 4.0; y0 = 2.5; H = 1.0; } );\n";
+
+static void write_layers(const char *name, const char *more, const char *low, const char *high,
+                         const char *top)
+{
+    write_trial(name, check_text(layers, more, low, high, top));
+}
+
+/* Each frame's states by a command of the shell: column 1 counts, column 2 what is counted. */
+static void counts(const char *command, const char *expected)
+{
+    CU_ASSERT(shell(check_text("{ %s; } | sort -n | uniq -c | awk '{ printf \"%%s %%s, \", $1, $2 }' >counts",
+                               command)) == 0);
+    char text[256];
+    slurp("counts", text, sizeof text);
+    CHECK_OR_SAY(strcmp(text, expected) == 0, "%s: %s", command, text);
+}
+
+#define STATES                                                                                               \
+    "awk -F'\t' '/^step/ { for (i = 1; i <= NF; i++) if ($i == \"kind\") c = i } /^10\t/ { print $c }' "
+
+static void exports(void)
+{
+    write_layers("a.cfg", "", "sand", "steel", "");
+    write_layers("b.cfg", "", "sand", "steel", "kind = `sand`;");
+    write_text("none.cfg", "dt = 5e-5; steps = 10; fill = { N = 3; W = 2.0; H = 2.0; };\n");
+    GOOD("run a.cfg -o a");
+    GOOD("run b.cfg -o b");
+    GOOD("run none.cfg -o none");
+    counts(STATES "a/states.tsv", "5 0, 20 1, 10 2, ");
+    counts(STATES "b/states.tsv", "25 1, 10 2, ");
+    SHELL("grep -qx '# kinds: sand steel' a/states.tsv && ! grep -q kind none/states.tsv");
+    for (const char *name = "ab"; *name; name++) {
+        GOOD("export %c --to lammps -o %c.dump", *name, *name);
+        GOOD("export %c --to vtk -o %c.pvd", *name, *name);
+        GOOD("export %c/states.tsv --to json --columns step,kind -o %c.json", *name, *name);
+        GOOD("export %c/states.tsv --to csv --columns kind,step -o %c.csv", *name, *name);
+    }
+    /* types of LAMMPS begin at 1 */
+    counts("tail -35 a.dump | cut -d' ' -f2", "5 1, 20 2, 10 3, ");
+    counts("tail -35 b.dump | cut -d' ' -f2", "25 1, 10 2, ");
+    counts("sed -n '/Name=\"kind\"/,/<.Data/p' a_frames/grains_000000.vtp | grep '^[0-9]'",
+           "5 0, 20 1, 10 2, ");
+    counts("grep '\"step\": 10,' a.json | grep -o '\"kind\": .'| cut -c9-", "5 0, 20 1, 10 2, ");
+    counts("sed -n 's/,10$//p' b.csv", "25 1, 10 2, ");
+    SHELL("grep -q '\"kinds\": \"sand steel\"' a.json");
+    GOOD("export none --to lammps -o none.dump");
+    counts("tail -3 none.dump | cut -d' ' -f2", "3 1, ");
+}
+
+/* A table tells its kinds by name: in a scene whose kinds have other numbers they are the same. */
+static void read_back(void)
+{
+    write_layers("a.cfg", "", "sand", "steel", "");
+    GOOD("run a.cfg -o a");
+    write_trial(
+        "again.cfg",
+        "dt = 5e-5; particles_file = `a/states.tsv`; gravity = (0.0, 0.0);\n"
+        "phases = ( { name = `go`; steps = 1; }, { name = `drop`; add = { kind = `steel`; r = 0.1; x = 2.0; "
+        "y = 9.0; }; steps = 1; } );\n"
+        "measure = ( { name = `hard`; of = `steel.grains`; }, { name = `soft`; of = `sand.grains`; } );\n");
+    GOOD("run again.cfg -o again");
+    SHELL("grep -q '^hard.11.' again/measures.tsv && grep -q '^soft.20.' again/measures.tsv");
+    SHELL("sed 's/^# kinds: .*/# kinds: steel/' a/states.tsv >few.tsv && sed 's/a.states/few/' again.cfg "
+          ">few.cfg");
+    FAILS(65, "kind = 2: the name of a kind expected, or its number in the scene", "run few.cfg");
+}
+
+/* The names of a picture's key and the colours of its grains. */
+static void pictures(void)
+{
+    write_layers("a.cfg", "", "fine_sand", "steel", "");
+    write_layers("b.cfg", "", "sand", "steel", "kind = `sand`;");
+    GOOD("run a.cfg -o a");
+    GOOD("run b.cfg -o b");
+    GOOD("view a --color kind -o a.svg");
+    GOOD("view b --color kind -o b.svg");
+    SHELL("grep -q '>fine_sand<' a.svg && grep -q '>steel<' a.svg && grep -q '>none<' a.svg && grep -q "
+          "'>kind<' a.svg");
+    SHELL("! grep -q '>none<' b.svg && grep -q '>sand<' b.svg");
+    counts("grep '<use' b.svg | grep -o \"rgb([^)]*)\" | tr -d ' ' | grep -v 168",
+           "10 rgb(230,159,0), 25 rgb(86,180,233), ");
+    GOOD("view b --color r -o r.svg");
+    SHELL("! grep -q '>sand<' r.svg && grep -q '>r (cm)<' r.svg");
+}
+
 CHECK_SUITE_WITHIN(mixing, "mixing", enter, leave, orders, against_states, modules, shuffled, separated,
-                   in_a_run, refused, swept)
+                   in_a_run, refused, swept, exports, read_back, pictures)

@@ -342,14 +342,14 @@ static void put_kinds(const char *kinds, const view_scale *s, FILE *out)
     const int first = s->value[0] > 0.0;
     int n = first;
     char name[32];
-    fputs("set cbtics scale 0 (", out);
+    fputs("set termoption noenhanced\nset cbtics scale 0 (", out);
     if (!first) fputs("'none' 0", out);
     for (n = 0; next_kind(&kinds, name);) {
         fputs(n++ || !first ? ", " : "", out);
         put_quoted(out, "%s", name);
         fprintf(out, " %d", n);
     }
-    fputs(") noenhanced\nset palette defined (", out);
+    fputs(")\nset palette defined (", out);
     for (int k = first; k <= n; k++)
         for (int end = 0; end < 2; end++)
             fprintf(out, "%s%g '%s'", k > first || end ? ", " : "", k + end - 0.5,
