@@ -274,9 +274,8 @@ static contact_totals over_contacts(exp_run *run, const exp_use *use)
         if (!exp_is_within(&in, c->id_a, x, y) && !(in.kinds && c->id_b && exp_is_within(&in, c->id_b, x, y)))
             continue;
         exp_contact_force(c, f);
-        const double mu = c->id_b ? exp_laws(run)->mu : dem_wall_now(run->sim, (size_t)c->wall).mu;
-        t.n++, t.sliding +=
-               mu > 0.0 && c->normal_force > 0.0 && fabs(c->shear_force) >= 0.999 * mu * c->normal_force;
+        t.n++, t.sliding += c->mu > 0.0 && c->normal_force > 0.0 &&
+                            fabs(c->shear_force) >= 0.999 * c->mu * c->normal_force;
         t.xx += lx * f[0], t.yy += ly * f[1], t.xy += 0.5 * (lx * f[1] + ly * f[0]);
     }
     return t;
@@ -451,7 +450,6 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
                      .m = plan->m,
                      .kind = (uint32_t)m->scope.kind,
                      .sim = run->sim,
-                     .mu = exp_laws(run)->mu,
                      .n_marks = run->marks ? run->n_ids : 0,
                      .marks = run->marks,
                      .lo = {-INFINITY, -INFINITY},

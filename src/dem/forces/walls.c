@@ -206,7 +206,6 @@ dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall)
                             .pivot = {pivot[0], pivot[1]},
                             .velocity = {w->velocity[0], w->velocity[1]},
                             .angle = line->angle + w->omega * sim->def.dt * (double)(sim->step - line->since),
-                            .mu = w->material.mu < 1e300 ? w->material.mu : INFINITY,
                             .open = dem_wall_opens(sim, wall)};
 }
 

@@ -91,6 +91,7 @@ static dem_contact contact_of(const dem_sim *sim, const dem_relative *r)
     c.id_a = sim->grains.id[r->a], c.id_b = r->slot ? 0 : sim->grains.id[r->b];
     c.wall = r->slot ? (int)r->slot->wall : -1;
     c.x = x[0], c.y = x[1], c.x_b = r->point[0], c.y_b = r->point[1];
+    c.mu = r->c->mu < 1e300 ? r->c->mu : INFINITY;
     if (!r->slot || r->slot->well == DEM_WELL_NONE) return c;
     c.well = r->slot->well;
     c.shear_force += dem_ground_force(sim, r->slot, c.normal_force);

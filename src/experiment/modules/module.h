@@ -25,7 +25,6 @@ typedef struct {
     uint32_t kind;       /* that its grains are of, or are told from; 0: any */
     const dem_sim *sim;
     double mass;         /* of all grains that move */
-    double mu;           /* of contacts between grains */
     size_t n_marks;      /* ids from 1 on: */
     const double *marks; /* their marked x, y; NAN: none */
     size_t n_contacts;   /* of a module that asks for them: all of the run */
