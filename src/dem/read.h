@@ -44,7 +44,7 @@ typedef struct dem_contact {
     double x, y, x_b, y_b; /* centres; for a wall its nearest point */
     /* shear: force on b along the way from a to b turned clockwise; displacement, of the other sign */
     double overlap, normal_force, shear_force, shear_spring;
-    double k_s, k_roll;                    /* stiffness of the shear spring, of the rolling one */
+    double k_s, k_roll; /* stiffness of the shear spring, of the rolling one */
     double mu;
     double rolling_torque, rolling_spring; /* torque on grain a, and displacement at the shorter arm */
     dem_well well; /* on the ground: of which shear_force holds the pull, shear_spring the displacement */
