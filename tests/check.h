@@ -28,8 +28,10 @@
     X(suite_expression)                                                                                      \
     X(suite_experiment)                                                                                      \
     X(suite_actions)                                                                                         \
+    X(suite_mixing)                                                                                          \
     X(suite_fills)                                                                                           \
     X(suite_material)                                                                                        \
+    X(suite_kinds)                                                                                           \
     X(suite_units)                                                                                           \
     X(suite_sizes)                                                                                           \
     X(suite_laws)                                                                                            \

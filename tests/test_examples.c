@@ -225,6 +225,26 @@ static void crater(void)
     CU_ASSERT(depth[1] > 1.5 * depth[0] && force[1] > 1.5 * force[0] && time[1] < time[0]);
 }
 
+/* More of the heavy, smooth kind leaves first; of equal kinds half, within the scatter of 200 grains. */
+static void two_materials(void)
+{
+    const double share = measured("two_materials.cfg", "run=1", "share"),
+                 equal = measured("two_materials.cfg", "rho=2.6' --set 'mu=0.6", "share");
+    if (CHECK_SKIPS("a long run of code that others run")) return;
+    CHECK_PAIRS(0.1, {share, 0.72}, {equal, 0.5}); /* of the file's head */
+}
+
+/* Large grains rise from the bottom through the small ones, in half of the file's cycles. */
+static void shaken(void)
+{
+    const double after = measured("shaken.cfg", "cycles=30", "after"),
+                 before = measured("shaken.cfg", NULL, "before"),
+                 start = measured("shaken.cfg", NULL, "start_lacey"),
+                 end = measured("shaken.cfg", NULL, "end_lacey");
+    if (CHECK_SKIPS("a long run of code that others run")) return;
+    CU_ASSERT(before < -7.0 && after > -1.0 && start < 0.5 && end > 0.7);
+}
+
 /* The program of the core alone says what it lacks, has no library but these, and the bits of its text. */
 static void core_alone(void)
 {
@@ -253,4 +273,4 @@ static void core_alone(void)
 }
 
 CHECK_SUITE_WITHIN(examples, "examples", enter_folder, leave, impact, chute, shear_box, drum, hopper,
-                   cylinder, box, column, ledge, biaxial, wedge, crater, core_alone)
+                   cylinder, box, column, ledge, biaxial, wedge, crater, two_materials, shaken, core_alone)

@@ -71,7 +71,8 @@ static const char *const texts[] = {
     "  { name = `mo`; of = `motion`; in = `part`; }, { name = `fo`; of = `forces`; wall = `base`; in = "
     "`part`; "
     "},\n"
-    "  { name = `d`; of = `deposit`; } );\n",
+    "  { name = `d`; of = `deposit`; kind = `ka`; },\n"
+    "  { name = `mi`; of = `mixing`; in = `part`; kind = `ka`; cell = 0.5; } );\n",
     /* a group `material`, and coefficients that follow from a restitution */
     "dt = 2e-5; rotation = true; material = { E = 1e6; nu = 0.3; restitution = 0.5; mu = 0.3; };\n"
     "walls = ( { point = (0.0, 0.0); direction = (0.1, 1.0); restitution = 0.4; },\n"
@@ -158,7 +159,7 @@ static size_t values_of(const rp_param *p, char value[MOST][128])
 {
     const char *words = p->type == RP_BOOL     ? "true false"
                         : p->type == RP_CHOICE ? p->range
-                        : p->type == RP_TEXT   ? "fall drop part disk base gate lid a a_word"
+                        : p->type == RP_TEXT   ? "fall drop part disk base gate lid ka kb a a_word"
                         : p->type == RP_INT    ? "2 17 41 5003"
                                                : "0.317 0.103 7.31 -2.17 3170.0 1.73e-4 2.91e-13",
                *more = p->type == RP_REAL || p->type == RP_INT ? strchr(p->range, '|') : NULL;

@@ -32,7 +32,7 @@ static rp_status copy_grains(rp_arena *arena, const dem_sim *sim, const choice *
         if (out->in && out->in(out->region, s->id, s->x, s->y)) continue;
         ids[def->n_grains] = s->id;
         grains[def->n_grains++] =
-            (dem_grain){s->x, s->y, s->r, s->m, s->vx, s->vy, s->angle, s->omega, s->fixed};
+            (dem_grain){s->x, s->y, s->r, s->m, s->vx, s->vy, s->angle, s->omega, s->fixed, s->kind};
     }
     return RP_OK;
 }
@@ -202,8 +202,8 @@ rp_status dem_wall_move(dem_sim *sim, size_t w, const double velocity[2], double
         dem_wall other = sim->walls.wall[k];
         memcpy(other.point, &sim->walls.line[k].point, sizeof other.point);
         memcpy(other.direction, &sim->walls.line[k].direction, sizeof other.direction);
-        RP_TRY(dem_hidden_check(w, &next, k, &other, r));
-        RP_TRY(dem_hidden_check(k, &other, w, &next, r));
+        RP_TRY(dem_hidden_check(&sim->def, w, &next, k, &other, r));
+        RP_TRY(dem_hidden_check(&sim->def, k, &other, w, &next, r));
     }
     dem_wall_go_on(sim, w, &next, way);
     return RP_OK;

@@ -26,6 +26,7 @@ typedef struct {
     double angle, omega, torque;
     int contacts;
     bool fixed;
+    uint32_t kind; /* number; 0: none */
 } dem_state;
 
 /* States of the grains in the order of their ids; `states` holds dem_count() entries.
@@ -43,7 +44,8 @@ typedef struct dem_contact {
     double x, y, x_b, y_b; /* centres; for a wall its nearest point */
     /* shear: force on b along the way from a to b turned clockwise; displacement, of the other sign */
     double overlap, normal_force, shear_force, shear_spring;
-    double k_s, k_roll;                    /* stiffness of the shear spring, of the rolling one */
+    double k_s, k_roll; /* stiffness of the shear spring, of the rolling one */
+    double mu;
     double rolling_torque, rolling_spring; /* torque on grain a, and displacement at the shorter arm */
     dem_well well; /* on the ground: of which shear_force holds the pull, shear_spring the displacement */
 } dem_contact;
@@ -95,7 +97,6 @@ bool dem_ledger_read(const dem_sim *sim, dem_ledger *ledger);
  * an open wall is left where both ends are equal. All is 0 of a wall that there is not. */
 typedef struct {
     double point[2], direction[2], ends[2], force[2];
-    double mu;
     double pivot[2], velocity[2], angle; /* the latter: turned by itself since the start, radians */
     bool open;                           /* it has begun to open */
 } dem_wall_state;

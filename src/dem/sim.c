@@ -74,6 +74,7 @@ static void put_grain(dem_sim *sim, size_t i, const dem_grain *p)
     g->radius[i] = p->r;
     g->mass[i] = p->m;
     g->inverse_mass[i] = p->fixed ? 0.0 : 1.0 / p->m;
+    if (g->kind) g->kind[i] = p->kind;
     if (!g->omega) return;
     g->angle[i] = p->angle;
     g->omega[i] = p->omega;
@@ -111,10 +112,13 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     sim->def.contacts = NULL;
     sim->def.n_contacts = 0;
     sim->def.lines = NULL;
+    RP_TRY(dem_kinds_copy(def, &sim->def));
     sim->scheme = dem_schemes[def->integrator];
     if (def->hard.on) sim->hard = dem_hard_collisions;
-    sim->mu = dem_finite_mu(def->material.mu);
-    sim->def.material.mu_roll = dem_finite_mu(def->material.mu_roll);
+    dem_finite_limits(&sim->def.material);
+    for (size_t k = 0; def->pairs && k < dem_pair_count(def); k++)
+        dem_finite_limits((dem_material *)&sim->def.pairs[k]);
+    sim->pairs.kinds = def->pairs != NULL;
     sim->pairs.rotation = def->rotation;
     sim->pairs.rolling = dem_has_rolling(def);
     sim->pairs.chunk = CHUNK;
@@ -184,6 +188,8 @@ static rp_status check_new_grain(const dem_sim *sim, const dem_grain *p)
     dem_grain boxed = *p;
     dem_box_frame(sim, &boxed.x, &boxed.y);
     RP_TRY(dem_grain_check(&sim->def, &boxed));
+    RP_TRY(dem_kinds_check(
+        &(dem_definition){.n_kinds = sim->def.n_kinds, .kinds = sim->def.kinds, .n_grains = 1, .grains = p}));
     if (p->fixed) return rp_fail(RP_BAD_INPUT, "a fixed grain must be there from the start");
     dem_definition def = sim->def;
     def.grains = (dem_grain[]){*p, *p};
@@ -246,6 +252,7 @@ void dem_free(dem_sim *sim)
     dem_grains_free(&sim->grains);
     dem_pairs_free(&sim->pairs);
     dem_walls_free(&sim->walls);
+    dem_kinds_free(&sim->def);
     free(sim);
 }
 
@@ -277,6 +284,16 @@ size_t dem_count(const dem_sim *sim)
 void dem_threads(dem_sim *sim, size_t n)
 {
     sim->threads = n;
+}
+
+size_t dem_kind_count(const dem_sim *sim)
+{
+    return sim->def.n_kinds;
+}
+
+const char *dem_kind_name(const dem_sim *sim, size_t kind)
+{
+    return sim->def.kinds[kind].name;
 }
 
 const char *dem_kernel_name(const dem_sim *sim)

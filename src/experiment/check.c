@@ -97,6 +97,7 @@ static rp_status check_phases(const exp_plan *plan, dem_definition *def, refusal
         for (int c = 0; c < 2; c++) largest(plan, phase, &phase->gravity[c], &arena, &def->gravity[c]);
         memcpy(gravity[p], def->gravity, sizeof def->gravity);
         if (phase->has_laws) dem_physics_apply(&phase->laws.physics, def);
+        if (phase->has_laws) def->pairs = phase->def.pairs;
         for (size_t w = 0; w < def->n_walls && phase->has_laws; w++)
             walls[w].material = dem_walls_of(&phase->def)[w].material;
         double degrees = def->box_turn_per_step * (180.0 / M_PI);
@@ -133,7 +134,8 @@ static rp_status stand_ins(const exp_plan *plan, rp_arena *arena, dem_definition
                                                                       : r),
                                                   .r = r,
                                                   .m = m,
-                                                  .fixed = f->fixed};
+                                                  .fixed = f->fixed,
+                                                  .kind = f->of_kind};
     }
     const double y = def->n_grains ? grains[0].y : 0.0;
     for (const exp_phase *p = plan->phases; plan->n_phases && p < plan->phases + plan->n_phases; p++) {
@@ -143,7 +145,8 @@ static rp_status stand_ins(const exp_plan *plan, rp_arena *arena, dem_definition
                          : a->r.x.known    ? a->r.x.value
                                            : NAN,
                      m = dem_mass(s->def.shape, density, r);
-        if (!p->left_out && a->on && m > 0.0) grains[def->n_grains++] = (dem_grain){.y = y, .r = r, .m = m};
+        if (!p->left_out && a->on && m > 0.0)
+            grains[def->n_grains++] = (dem_grain){.y = y, .r = r, .m = m, .kind = a->kind};
     }
     return RP_OK;
 }

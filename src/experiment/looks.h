@@ -16,14 +16,14 @@ const dem_state *exp_states(exp_run *run);
 const dem_contact *exp_contacts(exp_run *run, size_t *n); /* the same of the contacts, none after a failure */
 void exp_mark(exp_run *run);
 
-/* The grains of a scope at this look: of a region, or of a kind. */
+/* The grains of a scope at this look: of a region, of a kind, or of both. */
 typedef struct {
     bool all, circle;
-    size_t n_points;      /* of a polygon */
-    const double *points; /* the run's own, of this region */
-    double at[4];         /* x, y from and to; or centre, radius */
-    const int32_t *kinds; /* by ids from 1 on; NULL: of any kind */
-    int32_t kind;
+    size_t n_points;       /* of a polygon */
+    const double *points;  /* the run's own, of this region */
+    double at[4];          /* x, y from and to; or centre, radius */
+    const uint32_t *kinds; /* by ids from 1 on; NULL: of any kind */
+    uint32_t kind;
 } exp_within;
 const char *exp_region_fault(const exp_within *region);          /* NULL: none */
 exp_within exp_within_now(exp_run *run, const exp_scope *scope); /* a faulty region ends the run */

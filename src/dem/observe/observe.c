@@ -76,7 +76,8 @@ rp_status dem_states(const dem_sim *sim, dem_state *states)
                                 .omega = sim->grains.omega ? omega(sim, i) : 0.0,
                                 .torque = sim->grains.force_torque ? sim->grains.force_torque[i].torque : 0.0,
                                 .contacts = contacts[i],
-                                .fixed = dem_is_fixed(sim, i)};
+                                .fixed = dem_is_fixed(sim, i),
+                                .kind = dem_kind_of(sim, i)};
     }
     free(contacts);
     free(index);
@@ -90,6 +91,7 @@ static dem_contact contact_of(const dem_sim *sim, const dem_relative *r)
     c.id_a = sim->grains.id[r->a], c.id_b = r->slot ? 0 : sim->grains.id[r->b];
     c.wall = r->slot ? (int)r->slot->wall : -1;
     c.x = x[0], c.y = x[1], c.x_b = r->point[0], c.y_b = r->point[1];
+    c.mu = r->c->mu < 1e300 ? r->c->mu : INFINITY;
     if (!r->slot || r->slot->well == DEM_WELL_NONE) return c;
     c.well = r->slot->well;
     c.shear_force += dem_ground_force(sim, r->slot, c.normal_force);
@@ -119,7 +121,7 @@ size_t dem_over_friction(const dem_sim *sim, size_t *over)
     for (size_t k = 0; k < dem_contact_numbers(sim); k++) {
         if (!dem_contact_relative(sim, k, false, &r)) continue;
         const dem_contact c = dem_law_forces(sim, &r, 0.0);
-        *over += fabs(c.shear_force) > (1.0 + ROUND_OFF) * r.mu * fmax(c.normal_force, 0.0);
+        *over += fabs(c.shear_force) > (1.0 + ROUND_OFF) * r.c->mu * fmax(c.normal_force, 0.0);
         n++;
     }
     return n;
@@ -140,7 +142,7 @@ dem_elastic dem_contact_elastic(const dem_sim *sim, size_t k)
         energy.well = 0.5 * sim->def.ground.mu_static * normal / sim->def.ground.a * ds * ds;
     if (dem_has_spring(sim->def.tangential)) {
         double pull = contact.k_s * ds;
-        if (sim->def.slip == DEM_TOTAL) pull = fmin(pull, r.mu * normal);
+        if (sim->def.slip == DEM_TOTAL) pull = fmin(pull, r.c->mu * normal);
         if (pull > 0.0) energy.shear = pull * ds - 0.5 * pull * pull / contact.k_s; /* k_s may be 0 */
     }
     return energy;

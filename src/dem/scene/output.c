@@ -1,6 +1,7 @@
 /* Tables of a simulation's state, and notes on a scene's numbers in their headers; see scene.h. A column is a
  * row X(name, value) of a list, of which the header and the rows are made. */
 #include <stdlib.h>
+#include <string.h>
 
 #include "table/table.h"
 #include "dem/scene/scene.h"
@@ -37,6 +38,8 @@
     X("kinetic_per_grain [erg]", n > 0.0 ? (e.kinetic + e.rotational) / n : 0.0) \
     X("rotational [erg]", e.rotational)
 
+#define WITH_KIND(X) STATES(X) X("kind", p->kind)
+
 #define NAME_OF(channel, sign)  NAME(#channel " [erg]", 0)
 #define VALUE_OF(channel, sign) VALUE(0, l.channel)
 #define WITH_LEDGER(X) ENERGIES(X) \
@@ -44,17 +47,26 @@
     X("turnover [erg]", l.turnover) X("residual [erg]", l.residual)
 /* clang-format on */
 
-const char dem_state_columns[] = STATES(NAME) ", index"; /* the last as pandas writes it */
+const char dem_state_columns[] = WITH_KIND(NAME) ", index"; /* the last as pandas writes it */
 
 static void put_row(FILE *out, size_t size, const double *values)
 {
     rp_table_row(out, size / sizeof *values, values);
 }
 
+/* The names of the kinds from number 1 on, in a line of the header; false: there are none. */
+static bool put_kinds(const dem_sim *sim, FILE *out)
+{
+    if (sim->def.n_kinds < 2) return false;
+    fputs("# kinds:", out);
+    for (size_t k = 1; k < sim->def.n_kinds; k++) fprintf(out, " %s", sim->def.kinds[k].name);
+    return fputc('\n', out), true;
+}
+
 void dem_write_columns(dem_table table, const dem_sim *sim, FILE *out)
 {
     switch (table) {
-    case DEM_TABLE_STATES: HEADER(STATES); break;
+    case DEM_TABLE_STATES: put_kinds(sim, out) ? HEADER(WITH_KIND) : HEADER(STATES); break;
     case DEM_TABLE_ENERGY: sim->def.ledger ? HEADER(WITH_LEDGER) : HEADER(ENERGIES); break;
     case DEM_TABLE_CONTACTS: HEADER(CONTACTS); break;
     case DEM_TABLE_WALLS: HEADER(WALLS); break;
@@ -66,7 +78,11 @@ static rp_status write_states(const dem_sim *sim, long step, FILE *out)
     dem_state *states = malloc((dem_count(sim) + 1) * sizeof *states);
     if (!states) return rp_fail(RP_NO_MEMORY, "states: out of memory");
     rp_status status = dem_states(sim, states);
-    for (const dem_state *p = states; !status && p < states + dem_count(sim); p++) ROW(out, STATES);
+    for (const dem_state *p = states; !status && p < states + dem_count(sim); p++)
+        if (sim->def.n_kinds > 1)
+            ROW(out, WITH_KIND);
+        else
+            ROW(out, STATES);
     free(states);
     return status;
 }
@@ -107,6 +123,30 @@ rp_status dem_write_rows(dem_table table, const dem_sim *sim, long step, FILE *o
 
 /* ---- notes ---- */
 
+/* The coefficients of kinds, in pairs and at walls; walls that are alike in a row, as sides of a polygon,
+ * once.
+ */
+static void write_pairs(const dem_sim *sim, FILE *out)
+{
+    const dem_definition *def = &sim->def;
+    const size_t n = def->n_kinds;
+    for (size_t k = 0; k < n * (n + def->n_walls); k++) {
+        const size_t a = k % n, b = k / n;
+        const dem_material *m = &def->pairs[k];
+        char text[256] = "";
+        if (b < n ? b > a : b > n && memcmp(m - a, m - a - n, n * sizeof *m) == 0) continue;
+#define COEFFICIENT(kind, type, name, ...)                                                                   \
+    DEM_IF_MATERIAL(kind, if (m->name >= 0.0) snprintf(text + strlen(text), sizeof text - strlen(text),      \
+                                                       ", " #name " = %.6g", m->name);)
+        DEM_PHYSICS(COEFFICIENT)
+        if (b < n)
+            rp_table_note(out, "contacts", "kinds \"%s\" and \"%s\"%s", def->kinds[b].name,
+                          def->kinds[a].name, text);
+        else
+            rp_table_note(out, "contacts", "kind \"%s\" at wall %zu%s", def->kinds[a].name, b - n + 1, text);
+    }
+}
+
 void dem_write_notes(const dem_sim *sim, FILE *out)
 {
     const rp_units units = sim->def.units;
@@ -119,7 +159,8 @@ void dem_write_notes(const dem_sim *sim, FILE *out)
     rp_table_note(out, "time step", "dt = %.4g %s; limit %s %s, set by %s", sim->def.dt, rp_unit(units, "s"),
                   rp_text_below(sim->start.dt_limit, (char[32]){0}), rp_unit(units, "s"),
                   sim->start.dt_limit_of);
-    if (!(c->k_n > 0.0)) return;
+    if (sim->def.pairs) write_pairs(sim, out);
+    if (sim->def.pairs || !(c->k_n > 0.0)) return;
     if (law->sticking_speed && sim->def.tension)
         rp_table_note(out, "sticking speed", "%.3g %s: slower impacts of two mean grains do not part",
                       law->sticking_speed(k_n, c->gamma_n, m_eff), rp_unit(units, "cm/s"));

@@ -26,8 +26,9 @@ static rp_status add_grain(const dem_scene *scene, size_t i, size_t line)
     dem_grain *p = &scene->grains[i];
     scene->lines[i] = line;
     if (p->m >= 0.0) return RP_OK;
-    p->m = dem_mass(all->shape, all->density, p->r);
-    return dem_density_check(all->shape, scene->def.units, scene->has_density);
+    const double density = dem_density_of(scene, p->kind);
+    p->m = dem_mass(all->shape, density, p->r);
+    return dem_density_check(all->shape, scene->def.units, scene->has_density || density != all->density);
 }
 
 static rp_status read_particles(const config_setting_t *list, dem_scene *scene)
@@ -38,7 +39,8 @@ static rp_status read_particles(const config_setting_t *list, dem_scene *scene)
     for (size_t i = 0; i < length(list); i++) {
         dem_grain *p = &scene->grains[i];
         rp_params_defaults(SCHEMA(PARTICLES), scene->def.units, p);
-        RP_TRY(rp_config_group(element(list, i), SCHEMA(PARTICLES), p, NULL));
+        RP_TRY(dem_read_kind(element(list, i), scene, &p->kind));
+        RP_TRY(rp_config_group(element(list, i), SCHEMA(PARTICLES), p, "kind"));
         RP_TRY(add_grain(scene, i, config_setting_source_line(element(list, i))));
     }
     return RP_OK;
@@ -60,11 +62,34 @@ static rp_status read_cell(const rp_table *table, size_t row, int column, const 
                      table->places[row].line);
 }
 
+/* The name of a kind by its number in a table of states, whose header has the names of all. */
+static bool kind_named(const rp_table *table, double number, char name[DEM_NAME_BYTES])
+{
+    const char *names = rp_table_find_note(table, "kinds");
+    for (; names && number > 1.0; number--) names = strchr(names, ' ') ? strchr(names, ' ') + 1 : NULL;
+    return names && number == 1.0 && sscanf(names, "%31s", name) == 1;
+}
+
+/* A kind by its name, or its number in the table's header or in the scene. */
+static rp_status read_kind(const rp_table *table, size_t row, int column, dem_scene *scene, uint32_t *kind)
+{
+    const char *cell = rp_cell(table, row, column);
+    char name[DEM_NAME_BYTES];
+    double number = 0.0;
+    if (dem_is_name(cell)) return dem_number_kind(scene, cell, kind);
+    RP_TRY(rp_table_number(table, row, column, false, &number));
+    if (kind_named(table, number, name) && dem_is_name(name)) return dem_number_kind(scene, name, kind);
+    *kind = number >= 0.0 && number < fmax((double)scene->def.n_kinds, 1.0) ? (uint32_t)number : 0;
+    if ((double)*kind == number) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "%s:%zu: kind = %s: the name of a kind expected, or its number in the scene",
+                   table->places[row].path, table->places[row].line, cell);
+}
+
 static rp_status read_particles_table(const rp_table *table, dem_scene *scene)
 {
     enum { N = 9 }; /* keys of a grain */
     const rp_param *keys = SCHEMA(PARTICLES);
-    int columns[N];
+    int columns[N], kind = rp_table_column(table, "kind");
     if (table->n_rows == 0) return rp_fail(RP_BAD_INPUT, "%s: no particles", table->path);
     if (!table->names[0]) return rp_table_nameless(table);
     for (int c = 0; c < N; c++) {
@@ -78,6 +103,7 @@ static rp_status read_particles_table(const rp_table *table, dem_scene *scene)
         rp_params_defaults(keys, scene->def.units, p);
         for (int c = 0; c < N; c++)
             if (columns[c] >= 0) RP_TRY(read_cell(table, i, columns[c], &keys[c], scene->def.units, p));
+        if (kind >= 0) RP_TRY(read_kind(table, i, kind, scene, &p->kind));
         RP_TRY(add_grain(scene, i, table->places[i].line));
     }
     return RP_OK;

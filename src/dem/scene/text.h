@@ -8,8 +8,6 @@
 #include "dem/scene/scene.h"
 #include "params/lets.h"
 
-enum { DEM_NAME_BYTES = 32 }; /* of a wall's name, and of other names that a text gives */
-
 typedef struct {
     const char *path; /* borrowed */
     config_t config;
@@ -47,18 +45,22 @@ rp_status dem_text_give(dem_text *text, const char *name, const rp_value *value)
  * dem_scene_free, also after an error. Errors: those of dem_scene_read. */
 rp_status dem_text_scene(dem_text *text, dem_scene *scene);
 
-/* The keys dt, x_min, x_max, y_min, normal, tangential and rolling of a group, over the laws that hold so
- * far. Errors: RP_BAD_INPUT. */
-rp_status dem_text_laws(const config_setting_t *group, const dem_scene *scene, dem_scene_laws *laws);
+/* The keys dt, x_min, x_max, y_min, normal, tangential, rolling, kinds and pairs of a group, over the laws
+ * that hold so far. Errors: RP_BAD_INPUT. */
+rp_status dem_text_laws(const config_setting_t *group, dem_scene *scene, dem_scene_laws *laws);
 
 /* The definition and walls that follow from laws and the walls' coefficients as given; the definition borrows
  * the walls, of which there are as many as the scene's. Errors: RP_BAD_INPUT. */
-rp_status dem_laws_apply(const dem_scene_laws *laws, const dem_material *given, const dem_scene *scene,
+rp_status dem_laws_apply(const dem_scene_laws *laws, const dem_material *given, dem_scene *scene,
                          dem_definition *def, dem_wall *walls);
 
 /* The coefficients of a wall in a group, beside other keys; *some: there is one. Errors: RP_BAD_INPUT. */
 rp_status dem_text_coefficients(const config_setting_t *group, const char *others, bool *some,
                                 dem_material *given);
+
+/* The number of the kind that the key `kind` of a group names, 0 without one; a new one comes to the scene's.
+ * Errors: RP_BAD_INPUT. */
+rp_status dem_read_kind(const config_setting_t *group, dem_scene *scene, uint32_t *number);
 
 /* Keys of radii in a group, beside other keys, `radii` among them; without any the radii of `as`, or the
  * defaults of a fill. Errors: RP_BAD_INPUT. */

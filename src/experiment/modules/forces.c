@@ -123,11 +123,9 @@ static const exp_output limit_outputs[] = {
 
 /* Has its spring come to the limit of Coulomb's law? It holds mu times the normal force of its last step, so
  * that a thousandth is left for the force's change. One that pulls is past it. */
-static bool at_limit(const exp_view *s, const dem_contact *c)
+static bool at_limit(const dem_contact *c)
 {
-    const dem_wall_state wall = c->id_b ? (dem_wall_state){0} : dem_wall_now(s->sim, (size_t)c->wall);
-    const double mu = c->id_b ? s->mu : wall.mu;
-    return mu > 0.0 && c->k_s * fabs(c->shear_spring) >= 0.999 * mu * c->normal_force;
+    return c->mu > 0.0 && c->k_s * fabs(c->shear_spring) >= 0.999 * c->mu * c->normal_force;
 }
 
 static rp_status count(const exp_view *s, const void *params, double out[])
@@ -137,7 +135,7 @@ static rp_status count(const exp_view *s, const void *params, double out[])
     for (const dem_contact *c = s->contacts; c < s->contacts + s->n_contacts; c++) {
         if (!is_in(s, c)) continue;
         const int where = c->id_b ? INSIDE : is_floor(s, c) ? FLOOR : WALLS;
-        const bool slides = at_limit(s, c);
+        const bool slides = at_limit(c);
         at[where] += slides, of[where] += 1.0;
         const double pressed = fmax(c->normal_force, 0.0);
         force_at += slides ? pressed : 0.0, force += pressed;
