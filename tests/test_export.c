@@ -504,6 +504,55 @@ static void test_spins(void)
     }
 }
 
+/* Rolling resistance by itself is that of LAMMPS: spins differ by round-off. With friction the arms of the
+ * slip differ, and so does the way of a grain that slides, rolls and slows, as the overlap: 9e-4 of it. */
+static void test_rolls(void)
+{
+    static const char *const laws[] = {"gamma = 30.0;", "gamma = 0.0; arm = \"radius\";"};
+    double theirs[3], apart[2];
+    if (!has_lammps()) return;
+    for (int k = 0; k < 2; k++) {
+        write_text("rolls.cfg",
+                   "gravity = [-100.0, -981.0]; dt = 1e-6; steps = 40000; rotation = true;\n"
+                   "normal = { law = \"hertz\"; k_n = 2.0e7; gamma_n = 400.0; tension = false; };\n"
+                   "tangential = { law = \"spring\"; k_s = 2.0e6; gamma_s = 0.0; mu = 0.0; damping = "
+                   "\"inside\"; };\n"
+                   "rolling = { mu = 0.1; k = 1e6; %s };\n"
+                   "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },\n"
+                   "  { point = [-0.4, 0.0]; direction = [1.0, 0.0]; } );\n"
+                   "particles = ( { x = 0.0; y = 0.1; r = 0.1; vx = 9.0; vy = -4.0; omega = -20.0; },\n"
+                   "  { x = 0.25; y = 0.13; r = 0.11; vx = -10.0; omega = 70.0; },\n"
+                   "  { x = 0.1; y = 0.32; r = 0.1; vx = 1.0; omega = -40.0; } );\n",
+                   laws[k]);
+        GOOD("export rolls.cfg --to lammps-input -o rolls.in --force");
+        GOOD("run rolls.cfg -o rolls --force");
+        SHELL("lmp -in rolls.in >said && tail -n 3 rolls.lammpstrj | awk '{ print $NF }' >out");
+        CU_ASSERT(sscanf(out, "%lf %lf %lf", &theirs[0], &theirs[1], &theirs[2]) == 3);
+        scoped_table ours = read_table("rolls/states.tsv");
+        for (int i = 0; i < 3; i++) CU_ASSERT(fabs(cell(&ours, (size_t)i, "omega") - theirs[i]) < 1e-6);
+    }
+    for (int k = 0; k < 2; k++) {
+        const char *stiff =
+            k ? "4.1e5" : "4.1e4"; /* overlaps of a thousandth of the radius, and a tenth of it */
+        write_text(
+            "slows.cfg",
+            "dt = 5e-6; steps = 20000; rotation = true;\n"
+            "normal = { law = \"linear\"; k_n = %s; gamma_n = 400.0; tension = false; };\n"
+            "tangential = { law = \"spring\"; k_s = %s; gamma_s = 0.0; mu = 0.4; damping = \"inside\"; };\n"
+            "rolling = { mu = 0.05; gamma = 100.0; };\n"
+            "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; k_n = %s; } );\n"
+            "particles = ( { x = 0.0; y = 0.1; r = 0.1; vx = 9.0; } );\n",
+            stiff, stiff, stiff);
+        GOOD("export slows.cfg --to lammps-input -o slows.in --force");
+        GOOD("run slows.cfg -o slows --force");
+        SHELL("lmp -in slows.in >said && tail -n 1 slows.lammpstrj | awk '{ print $3 }' >out");
+        scoped_table ours = read_table("slows/states.tsv");
+        CU_ASSERT(sscanf(out, "%lf", theirs) == 1 && *theirs > 0.4);
+        apart[k] = fabs(cell(&ours, 0, "x") - *theirs) / *theirs;
+    }
+    CU_ASSERT(apart[0] < 1.2e-3 && apart[0] > 8.0 * apart[1] && apart[0] < 12.0 * apart[1]);
+}
+
 /* Fixed grains, the first and the last among them, are held by their numbers. */
 static void test_held(void)
 {
@@ -513,6 +562,42 @@ static void test_held(void)
     GOOD("export held.cfg --to lammps-input -o held.in");
     SHELL("grep '^group fixed' held.in >out");
     CU_ASSERT_STRING_EQUAL(out, "group fixed id 1\ngroup fixed id 3\n");
+}
+
+/* Columns of the grains that a file gives, without a step. */
+#define PLACES "4-5,7-9,12" /* x y vx vy omega r */
+static void grains_of(const char *file, const char *columns, char grains[4096])
+{
+    write_text("given.cfg", "rotation = true; dt = 1e-5; steps = 0; particles_file = \"%s\";", file);
+    GOOD("run given.cfg");
+    SHELL(check_text("grep -v '^#' out | cut -f %s >grains", columns));
+    slurp("grains", grains, 4096);
+}
+
+/* A run, as its table has it and as LAMMPS would, is the same grains; so is a scene that LAMMPS has read and
+ * written again, but for angles and, by way of a density, the last bit of a mass. */
+static void test_given(void)
+{
+    char first[4096], again[4096];
+    write_run();
+    GOOD("export pile --to lammps -o pile.lammpstrj");
+    grains_of("pile/states.tsv", "3-15", first);
+    grains_of("pile.lammpstrj", "3-15", again);
+    CU_ASSERT_STRING_EQUAL(first, again);
+    CU_ASSERT(strstr(first, "\t0.09\t") && strchr(first, '\n') != strrchr(first, '\n'));
+    write_text("in.cfg", "dt = 1e-5; rotation = true; normal = { tension = false; };\n"
+                         "particles_file = \"pile.lammpstrj\"; particles_step = 250;\n");
+    GOOD("run in.cfg --set steps=0 -o in");
+    grains_of("in/states.tsv", PLACES, first);
+    GOOD("export in.cfg --to lammps-input -o in.in");
+    grains_of("in.data", PLACES, again);
+    CU_ASSERT_STRING_EQUAL(first, again);
+    if (!has("command -v lmp", "LAMMPS", check_skip)) return;
+    SHELL("echo 'write_data again.data' >>in.in && lmp -in in.in -var steps 0 >said");
+    grains_of("again.data", PLACES, again);
+    CU_ASSERT_STRING_EQUAL(first, again);
+    grains_of("in.lammpstrj", PLACES, again);
+    CU_ASSERT_STRING_EQUAL(first, again);
 }
 
 /* The input by hand: Hertz' k is 1e5/sqrt(R_eff), with R_eff = 1/32, 1/20 and 1/8 of pairs, and the radius at
@@ -636,6 +721,12 @@ static void test_types(void)
     CU_ASSERT(shell("grep -c pair_coeff s.in >out") == 0 && strcmp(out, "300\n") == 0);
     write_text("g.tsv", "%s25\t0\t0.5\n", grains);
     FAILS(65, "each radius is a type, at most 24", "export s.cfg --to lammps-input -o t.in");
+#define ROLLS "--set normal.law=linear --set rotation=true --set tangential.law=spring --set rolling.mu=0.1 "
+    FAILS(65, "each radius and mass is a type, at most 24",
+          "export s.cfg " ROLLS
+          "--set rolling.gamma=1 --set tangential.damping=inside --to lammps-input -o t.in");
+    GOOD("export s.cfg " ROLLS
+         "--set rolling.gamma=0 --set tangential.damping=inside --to lammps-input -o t.in");
 }
 
 static void export_law(const char *laws, const char *name, const char *lammps, const char *before)
@@ -680,7 +771,10 @@ static void test_refused(void)
 {
     static const char *const refused[][2] = {
         {"integrator=gear5", "integrator: LAMMPS steps as"},
-        {"rotation=true --set rolling.mu=0.1", "rolling.mu = 0.1"},
+        {"rotation=true --set rolling.mu=infinite", "rolling.mu = infinite"},
+        {"rotation=true --set rolling.mu=0.1 --set rolling.model=constant", "rolling.model: LAMMPS has"},
+        {"rotation=true --set rolling.mu=0.1 --set tangential.law=mindlin --set tangential.gamma_s=0",
+         "rolling: of this tangential.law"},
         {"normal.tension=true", "normal.tension = true"},
         {"tangential.slip=total", "tangential.slip = \"total\""},
         {"tangential.damping=outside", "tangential.damping = \"outside\""},
@@ -834,5 +928,6 @@ static void test_package(void)
 
 CHECK_SUITE_WITHIN(export, "export", enter, leave, test_formats, test_sources, test_sweep, test_back,
                    test_long_names, test_errors, test_dump_files, test_vtk_files, test_text_files,
-                   test_lammps_input, test_spins, test_held, test_input_files, test_plain_input, test_types,
-                   test_laws, test_refused, test_readers, test_random_texts, test_package)
+                   test_lammps_input, test_spins, test_rolls, test_given, test_held, test_input_files,
+                   test_plain_input, test_types, test_laws, test_refused, test_readers, test_random_texts,
+                   test_package)

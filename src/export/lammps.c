@@ -2,25 +2,30 @@
  * Both programs step by the same Verlet scheme, with the velocity of half a step before in dashpots and shear
  * springs. Laws that coincide are mapped; for any other setting the key is named and nothing is written. */
 #include <gsl/gsl_poly.h>
-#include <gsl/gsl_sort.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "core/file.h"
 #include "export/export.h"
+#include "dem/law/law.h"
 #include "dem/setup/definition.h"
 #include "dem/scene/scene.h"
 
-/* Where k_n is the same for all radii here and grows as sqrt(R_eff) in LAMMPS, each radius is a type, and for
- * walls a group, of which LAMMPS has 32. */
+/* Where k_n is the same for all radii here and grows as sqrt(R_eff) in LAMMPS, or rolling is damped by the
+ * mass, which LAMMPS leaves out, each radius and mass is a type, and for walls a group, of which LAMMPS
+ * has 32. */
 enum { MOST_TYPES = 24 };
+typedef struct {
+    double r, m; /* 0: all */
+} grain_type;
 
 typedef struct {
     dem_scene scene;
     dem_definition def; /* with all coefficients known */
     dem_state *grains;
     size_t n, n_types;
-    double radius[MOST_TYPES]; /* of each type; 0: of all radii */
+    grain_type types[MOST_TYPES];
     double box[2][2], largest;
 } lammps_scene;
 
@@ -40,9 +45,7 @@ static rp_status check_material(const dem_definition *def, const dem_material *m
     const bool slides = dem_has_friction(def->tangential);
     if (slides && isinf(m->mu))
         return rp_fail(RP_BAD_INPUT, "%stangential.mu = infinite: LAMMPS needs a number", of);
-    if (m->mu_roll > 0.0)
-        return rp_fail(RP_BAD_INPUT, "%srolling.mu = %g: LAMMPS damps rolling without the mass", of,
-                       m->mu_roll);
+    if (isinf(m->mu_roll)) return rp_fail(RP_BAD_INPUT, "%srolling.mu = infinite: LAMMPS needs a number", of);
     if (normal_law(def)->lammps_damping && m->gamma_n > 1.2728)
         return rp_fail(
             RP_BAD_INPUT,
@@ -84,13 +87,16 @@ static rp_status check_walls(const dem_definition *def)
 /* The first key that has no equal. */
 static rp_status check_scene(const dem_definition *def)
 {
-    const bool slides = dem_has_friction(def->tangential);
+    const bool slides = dem_has_friction(def->tangential), rolls = dem_has_rolling(def);
     const struct {
         bool differs;
         const char *message;
     } checks[] = {
         {def->integrator != DEM_VERLET, "integrator: LAMMPS steps as \"verlet\" does"},
-        {slides && def->tension,
+        {rolls && def->rolling != DEM_ROLL_SPRING, "rolling.model: LAMMPS has \"spring\" alone"},
+        {rolls && dem_is_of_radius(def->tangential),
+         "rolling: of this tangential.law it depends on the overlap, which that of LAMMPS does not"},
+        {(slides || rolls) && def->tension,
          "normal.tension = true: LAMMPS limits friction by mu |F_n| where the force pulls; set it to false"},
         {dem_has_spring(def->tangential) && def->slip != DEM_TRUNCATED,
          "tangential.slip = \"total\": LAMMPS truncates the spring"},
@@ -115,22 +121,43 @@ static rp_status check_scene(const dem_definition *def)
     return check_walls(def);
 }
 
-static rp_status find_types(rp_arena *arena, lammps_scene *s)
+/* The type of a grain; 0 where nothing asks for it. */
+static grain_type type_of(const dem_definition *def, const dem_state *grain)
 {
-    if (!normal_law(&s->def)->lammps_by_radius) return s->n_types = 1, RP_OK;
-    double *r = rp_arena_memory(arena, s->n, sizeof *r);
-    for (size_t i = 0; i < s->n; i++) r[i] = s->grains[i].r;
-    gsl_sort(r, 1, s->n);
-    for (size_t i = 0; i < s->n; i++) {
-        if (i > 0 && r[i] == r[i - 1]) continue;
-        if (s->n_types == MOST_TYPES)
-            return rp_fail(
-                RP_BAD_INPUT,
-                "normal.law = \"%s\": LAMMPS' k_n depends on the radii, so that each radius is a type, at "
-                "most %d; equal grains or the law \"linear\" go",
-                normal_law(&s->def)->name, MOST_TYPES);
-        s->radius[s->n_types++] = r[i];
+    bool damped = dem_has_rolling(def) && def->material.gamma_roll > 0.0;
+    for (size_t w = 0; w < def->n_walls; w++)
+        damped |= dem_has_rolling(def) && dem_walls_of(def)[w].material.gamma_roll > 0.0;
+    return (grain_type){normal_law(def)->lammps_by_radius || damped ? grain->r : 0.0,
+                        damped ? grain->m : 0.0};
+}
+
+static int by_size(const void *a, const void *b)
+{
+    const grain_type *p = a, *q = b;
+    return p->r != q->r ? (p->r > q->r) - (p->r < q->r) : (p->m > q->m) - (p->m < q->m);
+}
+
+static rp_status find_types(lammps_scene *s)
+{
+    for (size_t i = 0, k; i < s->n; i++) {
+        const grain_type type = type_of(&s->def, &s->grains[i]);
+        for (k = 0; k < s->n_types && by_size(&s->types[k], &type) != 0; k++) {
+        }
+        if (k == MOST_TYPES)
+            return type.m > 0.0 ? rp_fail(RP_BAD_INPUT,
+                                          "rolling.gamma: LAMMPS damps rolling without the mass, so that "
+                                          "each radius and mass "
+                                          "is a type, at most %d; 0 goes",
+                                          MOST_TYPES)
+                                : rp_fail(RP_BAD_INPUT,
+                                          "normal.law = \"%s\": LAMMPS' k_n depends on the radii, so that "
+                                          "each radius is a "
+                                          "type, at most %d; equal grains or the law \"linear\" go",
+                                          normal_law(&s->def)->name, MOST_TYPES);
+        s->types[k] = type;
+        if (k == s->n_types) s->n_types++;
     }
+    qsort(s->types, s->n_types, sizeof *s->types, by_size);
     return RP_OK;
 }
 
@@ -172,9 +199,9 @@ static void write_data(const lammps_scene *s, const char *scene, FILE *out)
             RP_SHORT(s->largest));
     for (size_t i = 0; i < s->n; i++) {
         const dem_state *p = &s->grains[i];
-        size_t type = 0;
-        while (type + 1 < s->n_types && s->radius[type] != p->r) type++;
-        fprintf(out, "%u %zu %s %s %s %s 0\n", p->id, type + 1, RP_SHORT(2.0 * p->r),
+        const grain_type type = type_of(&s->def, p),
+                         *found = bsearch(&type, s->types, s->n_types, sizeof type, by_size);
+        fprintf(out, "%u %td %s %s %s %s 0\n", p->id, found - s->types + 1, RP_SHORT(2.0 * p->r),
                 RP_SHORT(p->m / dem_mass(DEM_SPHERE, 1.0, p->r)), RP_SHORT(p->x), RP_SHORT(p->y));
     }
     fputs("\nVelocities\n\n", out);
@@ -193,9 +220,12 @@ static double tsuji_restitution(double gamma_n)
     return low;
 }
 
-/* The law of a contact whose effective radius is r_eff, in the words of pair_coeff. */
-static void write_law(const dem_definition *def, const dem_material *m, double r_eff, FILE *out)
+/* The law of a contact of two types, for a wall b NULL, in the words of pair_coeff. */
+static void write_law(const dem_definition *def, const dem_material *m, const grain_type *a,
+                      const grain_type *b, FILE *out)
 {
+    const double r_eff = b ? a->r * b->r / (a->r + b->r) : a->r,
+                 m_eff = b ? a->m * b->m / (a->m + b->m) : a->m;
     const dem_normal_descriptor *law = normal_law(def);
     const double part = m->gamma_n > 0.0 ? m->gamma_s / m->gamma_n : 0.0,
                  damping = dem_is_of_radius(def->tangential) ? part * sqrt(m->k_s / m->k_n) : part;
@@ -208,6 +238,12 @@ static void write_law(const dem_definition *def, const dem_material *m, double r
         fprintf(out, " %s %s", RP_SHORT(damping), RP_SHORT(m->mu));
     else
         fputs(" 0 0", out);
+    if (dem_has_rolling(def)) {
+        const dem_slider rolls = dem_rolls_of(def->rolling, def->tangential,
+                                              b && def->rolling_arm == DEM_ARM_RADIUS ? 2.0 : 1.0, m);
+        fprintf(out, " rolling sds %s %s %s", RP_SHORT(rolls.k),
+                RP_SHORT(m->gamma_roll > 0.0 ? rolls.gamma * m_eff : 0.0), RP_SHORT(rolls.mu));
+    }
     fprintf(out, " damping %s%s", tsuji(def, m) ? law->lammps_damping : "mass_velocity",
             def->tension ? "" : " limit_damping");
 }
@@ -230,6 +266,11 @@ static void write_about(const lammps_scene *s, const char *scene, FILE *out)
     if (normal_law(&s->def)->lammps_damping)
         fputs("# damping: LAMMPS takes it from a restitution by a polynomial; the number here is where that "
               "has gamma_n, not the restitution of impacts\n",
+              out);
+    if (dem_has_rolling(&s->def))
+        fputs("# rolling resistance: model C; where its dashpot gamma_roll m_eff has a part, each radius and "
+              "mass is a "
+              "type\n",
               out);
     fprintf(out, "# shear force: %s\n# walls: the same with R_eff = r and m_eff = m, whole planes at rest\n",
             dem_tangential_descriptors[s->def.tangential].in_lammps);
@@ -259,7 +300,7 @@ static void write_walls(const lammps_scene *s, FILE *out)
             char group[32] = "all";
             if (s->n_types > 1) snprintf(group, sizeof group, "type%zu", k + 1);
             fprintf(out, "fix wall%zu_%zu %s wall/gran/region granular ", w + 1, k + 1, group);
-            write_law(def, &wall->material, s->radius[k], out);
+            write_law(def, &wall->material, &s->types[k], NULL, out);
             fprintf(out, " region wall%zu\n", w + 1);
         }
     }
@@ -294,9 +335,8 @@ static void write_input(const lammps_scene *s, const char *scene, const char *st
           out);
     for (size_t i = 0; i < s->n_types; i++)
         for (size_t j = i; j < s->n_types; j++) {
-            const double a = s->radius[i], b = s->radius[j];
             fprintf(out, s->n_types > 1 ? "pair_coeff %zu %zu " : "pair_coeff * * ", i + 1, j + 1);
-            write_law(&s->def, &s->def.material, a * b / (a + b), out);
+            write_law(&s->def, &s->def.material, &s->types[i], &s->types[j], out);
             fputc('\n', out);
         }
     fprintf(out, "neighbor %s bin\nneigh_modify every 1 delay 0 check yes\ntimestep %s\n\n",
@@ -341,7 +381,7 @@ static rp_status prepare(rp_arena *arena, lammps_scene *s)
     RP_TRY(check_scene(&s->scene.def));
     RP_TRY(start_scene(arena, s));
     RP_TRY(check_scene(&s->def)); /* with what a restitution stands for */
-    return find_types(arena, s);
+    return find_types(s);
 }
 
 rp_status export_lammps_input(rp_arena *arena, const char *scene, const rp_texts *changes, const char *path,
