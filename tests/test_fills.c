@@ -200,11 +200,12 @@ static void test_several(void)
 {
     scoped_scene s;
     scoped dem_grain *grains = NULL;
-    size_t n, ends[3];
+    size_t n, ends[3] = {4, 0, 0}; /* of the kinds, which follow the list */
     CHECK_OK(grains_read(several, NULL, &s));
     CU_ASSERT(s.n_fills == 3 && strcmp(s.fills[2].kind, "large") == 0);
-    s.ends = ends;
     CHECK_OK(dem_scene_grains(&s, &grains, &n));
+    for (size_t k = 0, i = 4; k < 3; ends[k++] = i)
+        while (i < n && grains[i].kind == k + 1) i++;
     CU_ASSERT(n == ends[2] && ends[2] - ends[1] == 12 && ends[1] - ends[0] == 150 && ends[0] > 15);
     double nearest = INFINITY;
     for (size_t i = 0; i < n; i++) {

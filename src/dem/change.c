@@ -32,7 +32,7 @@ static rp_status copy_grains(rp_arena *arena, const dem_sim *sim, const choice *
         if (out->in && out->in(out->region, s->id, s->x, s->y)) continue;
         ids[def->n_grains] = s->id;
         grains[def->n_grains++] =
-            (dem_grain){s->x, s->y, s->r, s->m, s->vx, s->vy, s->angle, s->omega, s->fixed};
+            (dem_grain){s->x, s->y, s->r, s->m, s->vx, s->vy, s->angle, s->omega, s->fixed, s->kind};
     }
     return RP_OK;
 }

@@ -77,7 +77,14 @@ typedef struct {
     double x, y, r, m, vx, vy;
     double angle, omega; /* 0 without rotation */
     bool fixed;
+    uint32_t kind; /* its number in the definition; 0: none */
 } dem_grain;
+
+/* Kinds of grains, by name. Number 0 is that of the grains without a kind, "". */
+enum { DEM_NAME_BYTES = 32, DEM_MOST_KINDS = 10000 };
+typedef struct {
+    char name[DEM_NAME_BYTES];
+} dem_kind;
 
 enum { DEM_MOST_GRAINS = 100000000 };
 
@@ -155,6 +162,12 @@ typedef struct {
     const dem_wall *wall_list; /* if not NULL, the walls are these, of any number; borrowed as the grains */
     double radius_to_come;     /* mean radius of grains that are added to none; 0: there must be some */
     double mass_to_come; /* their mean mass, for a restitution; of all, if known, for the largest step */
+    /* Kinds, with that of number 0, and the coefficients of their contacts: of kinds a and b at
+     * [b * n_kinds + a], of kind a at wall w at [(n_kinds + w) * n_kinds + a]. NULL: `material` and the
+     * walls' hold for all. Both are borrowed. */
+    size_t n_kinds;
+    const dem_kind *kinds;
+    const dem_material *pairs;
     size_t n_grains;
     const dem_grain *grains; /* borrowed until dem_create returns */
     /* Contacts that the start already has, as dem_contacts gives them, ids by the order of the grains: their
@@ -170,6 +183,17 @@ typedef struct {
 static inline const dem_wall *dem_walls_of(const dem_definition *def)
 {
     return def->wall_list ? def->wall_list : def->walls;
+}
+
+/* Coefficients of the contacts of kinds a and b, or of kind a at wall w. */
+static inline const dem_material *dem_pair_material(const dem_definition *def, size_t a, size_t b)
+{
+    return def->pairs ? &def->pairs[b * def->n_kinds + a] : &def->material;
+}
+
+static inline const dem_material *dem_material_at(const dem_definition *def, size_t w, size_t a)
+{
+    return def->pairs ? &def->pairs[(def->n_kinds + w) * def->n_kinds + a] : &dem_walls_of(def)[w].material;
 }
 
 /* Does the wall move by itself? */
@@ -318,6 +342,10 @@ long dem_step(const dem_sim *sim);
 double dem_time(const dem_sim *sim);
 size_t dem_count(const dem_sim *sim); /* grains still there */
 const char *dem_kernel_name(const dem_sim *sim);
+
+/* How many kinds, with number 0; 0 or 1: the grains have none. The name of one that there is. */
+size_t dem_kind_count(const dem_sim *sim);
+const char *dem_kind_name(const dem_sim *sim, size_t kind);
 
 /* Whether this processor can run it. */
 bool dem_kernel_runs(dem_kernel_choice kernel);

@@ -26,6 +26,7 @@ typedef struct {
     double angle, omega, torque;
     int contacts;
     bool fixed;
+    uint32_t kind; /* number; 0: none */
 } dem_state;
 
 /* States of the grains in the order of their ids; `states` holds dem_count() entries.

@@ -74,6 +74,7 @@ static void put_grain(dem_sim *sim, size_t i, const dem_grain *p)
     g->radius[i] = p->r;
     g->mass[i] = p->m;
     g->inverse_mass[i] = p->fixed ? 0.0 : 1.0 / p->m;
+    if (g->kind) g->kind[i] = p->kind;
     if (!g->omega) return;
     g->angle[i] = p->angle;
     g->omega[i] = p->omega;
@@ -111,6 +112,7 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     sim->def.contacts = NULL;
     sim->def.n_contacts = 0;
     sim->def.lines = NULL;
+    RP_TRY(dem_kinds_copy(def, &sim->def));
     sim->scheme = dem_schemes[def->integrator];
     if (def->hard.on) sim->hard = dem_hard_collisions;
     sim->mu = dem_finite_mu(def->material.mu);
@@ -246,6 +248,7 @@ void dem_free(dem_sim *sim)
     dem_grains_free(&sim->grains);
     dem_pairs_free(&sim->pairs);
     dem_walls_free(&sim->walls);
+    dem_kinds_free(&sim->def);
     free(sim);
 }
 
@@ -277,6 +280,16 @@ size_t dem_count(const dem_sim *sim)
 void dem_threads(dem_sim *sim, size_t n)
 {
     sim->threads = n;
+}
+
+size_t dem_kind_count(const dem_sim *sim)
+{
+    return sim->def.n_kinds;
+}
+
+const char *dem_kind_name(const dem_sim *sim, size_t kind)
+{
+    return sim->def.kinds[kind].name;
 }
 
 const char *dem_kernel_name(const dem_sim *sim)

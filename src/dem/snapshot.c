@@ -71,6 +71,7 @@ static void keep_grains(rp_snapshot *s, dem_sim *sim)
     bool exist = !s->status;
     for (size_t i = 0; i < g->n && exist; i++) exist = g->id[i] >= 1 && g->id[i] <= g->last_id;
     for (size_t k = 0; k < g->n_fixed && exist; k++) exist = g->fixed[k] < g->n;
+    for (size_t i = 0; i < g->n && exist && g->kind; i++) exist = g->kind[i] < sim->def.n_kinds;
     rp_keep_check(s, exist, "grains that do not exist");
 }
 
@@ -97,6 +98,23 @@ static void keep_pairs(rp_snapshot *s, dem_sim *sim)
     if (s->status || !s->reading) return;
     dem_pairs_pad(p);
     if (in_order) s->status = dem_pairs_plan_chunks(p, sim->grains.n);
+}
+
+static void keep_kinds(rp_snapshot *s, dem_sim *sim)
+{
+    dem_definition *def = &sim->def;
+    bool pairs = def->pairs != NULL, known = true;
+    RP_KEEP(s, pairs);
+    rp_keep_check(s,
+                  rp_keep_bool(&pairs) && def->n_kinds <= DEM_MOST_KINDS &&
+                      (!pairs || dem_pair_count(def) <= s->n / sizeof *def->pairs),
+                  "impossible numbers of kinds");
+    if (s->reading && !s->status) s->status = dem_kinds_alloc(def, pairs);
+    if (s->status) return;
+    rp_keep(s, (dem_kind *)def->kinds, def->n_kinds * sizeof *def->kinds);
+    if (pairs) rp_keep(s, (dem_material *)def->pairs, dem_pair_count(def) * sizeof *def->pairs);
+    for (size_t k = 0; k < def->n_kinds; k++) known &= memchr(def->kinds[k].name, 0, DEM_NAME_BYTES) != NULL;
+    rp_keep_check(s, known, "unknown words in its kinds");
 }
 
 /* All of the walls but their slots. */
@@ -150,7 +168,7 @@ static void strip(dem_sim *state)
 #define X(type, name) state->walls.name = NULL;
     DEM_WALL_ARRAYS(X)
 #undef X
-    state->def.wall_list = NULL;
+    state->def.wall_list = NULL, state->def.kinds = NULL, state->def.pairs = NULL;
     state->work = NULL, state->list.work = NULL, state->list.sizes = NULL, state->ledger = NULL;
     state->team = NULL, state->scheme = NULL, state->hard = NULL, state->times = NULL;
     state->loops = (dem_loops){0};
@@ -172,11 +190,13 @@ void dem_keep(rp_snapshot *s, dem_sim **sim)
         *sim = NULL;
         strip(&state);
         keep_wall_list(s, &state);
+        keep_kinds(s, &state);
         check_numbers(s, &state);
         if (!s->status && !(c = malloc(sizeof *c)))
             s->status = rp_fail(RP_NO_MEMORY, "simulation: out of memory");
         if (s->status) {
             dem_walls_free(&state.walls);
+            dem_kinds_free(&state.def);
             return;
         }
         *sim = c;
@@ -185,7 +205,7 @@ void dem_keep(rp_snapshot *s, dem_sim **sim)
         c->hard = c->def.hard.on ? dem_hard_collisions : NULL;
         dem_loops_choose(c);
     }
-    if (!s->reading) keep_wall_list(s, c);
+    if (!s->reading) keep_wall_list(s, c), keep_kinds(s, c);
     keep_grains(s, c);
     keep_pairs(s, c);
     keep_walls(s, c);

@@ -139,7 +139,8 @@ static rp_status put_grain(exp_run *run, const exp_phase *p, dem_grain *g, uint3
     enum { TRIES = 10000 };
     const exp_plan *plan = run->plan;
     *g = (dem_grain){.r = exp_given(&a->r) ? exp_value(run, &a->r)
-                                           : dem_radius_draw(&a->radii, run->random[0])};
+                                           : dem_radius_draw(&a->radii, run->random[0]),
+                     .kind = a->kind};
     run->grain.r = g->r, run->grain.y = run->grain.touch = NAN;
     const double density = exp_density(plan, a, exp_value(run, &a->density)), gap = exp_value(run, &a->gap);
     g->m = dem_mass(plan->scene.def.shape, density, g->r);
@@ -179,7 +180,7 @@ static void add_grain(exp_run *run, const exp_phase *p)
     if (run->failed) return;
     renew(run, p, status, status == RP_TOO_FAST ? "too_fast" : "no_room");
     if (run->failed || run->at.done || !exp_make_ids(run, id)) return;
-    run->kinds[id - 1] = (int32_t)p->add.kind;
+    run->kinds[id - 1] = p->add.kind;
     run->marks[2 * (id - 1)] = run->marks[2 * (id - 1) + 1] = NAN;
     run->at.now.added++, run->at.now.added_mass += g.m;
     run->at.now.last = id, run->at.now.touched = false;
@@ -211,7 +212,8 @@ void exp_check_speed(exp_run *run, const char *whose, const double v[2], bool gr
     dem_grain *grains = rp_arena_memory(&arena, run->n_states + 1, sizeof *grains);
     if (!s || !grains || run->n_states == 0) return;
     for (size_t i = 0; i < run->n_states; i++)
-        grains[i] = (dem_grain){.x = s[i].x, .y = s[i].y, .r = s[i].r, .m = s[i].m, .fixed = s[i].fixed};
+        grains[i] = (dem_grain){
+            .x = s[i].x, .y = s[i].y, .r = s[i].r, .m = s[i].m, .fixed = s[i].fixed, .kind = s[i].kind};
     if (!gravity) grains->vx = size;
     def.grains = grains, def.n_grains = run->n_states, def.gravity[0] = def.gravity[1] = 0.0;
     if (gravity) memcpy(def.gravity, v, sizeof def.gravity);

@@ -133,7 +133,8 @@ static rp_status stand_ins(const exp_plan *plan, rp_arena *arena, dem_definition
                                                                       : r),
                                                   .r = r,
                                                   .m = m,
-                                                  .fixed = f->fixed};
+                                                  .fixed = f->fixed,
+                                                  .kind = f->of_kind};
     }
     const double y = def->n_grains ? grains[0].y : 0.0;
     for (const exp_phase *p = plan->phases; plan->n_phases && p < plan->phases + plan->n_phases; p++) {
@@ -143,7 +144,8 @@ static rp_status stand_ins(const exp_plan *plan, rp_arena *arena, dem_definition
                          : a->r.x.known    ? a->r.x.value
                                            : NAN,
                      m = dem_mass(s->def.shape, density, r);
-        if (!p->left_out && a->on && m > 0.0) grains[def->n_grains++] = (dem_grain){.y = y, .r = r, .m = m};
+        if (!p->left_out && a->on && m > 0.0)
+            grains[def->n_grains++] = (dem_grain){.y = y, .r = r, .m = m, .kind = a->kind};
     }
     return RP_OK;
 }

@@ -73,7 +73,7 @@ static void keep_ids(rp_snapshot *s, exp_run *run)
     run->n_ids = n;
     rp_keep(s, run->marks, 2 * n * sizeof *run->marks);
     rp_keep(s, run->kinds, n * sizeof *run->kinds);
-    for (size_t k = 0; k < n; k++) known &= run->kinds[k] >= -1 && run->kinds[k] < (int)run->plan->n_kinds;
+    for (size_t k = 0; k < n; k++) known &= run->kinds[k] <= run->plan->scene.def.n_kinds;
     rp_keep_check(s, known, ANOTHER);
 }
 

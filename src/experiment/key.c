@@ -39,8 +39,11 @@ static void put_measure(FILE *out, const config_setting_t *measure)
 static void put_files(FILE *out, const dem_scene *scene)
 {
     const dem_definition *def = &scene->def;
-    for (const dem_grain *g = scene->grains; *scene->particles_file && g < scene->grains + def->n_grains; g++)
+    for (const dem_grain *g = scene->grains; *scene->particles_file && g < scene->grains + def->n_grains;
+         g++) {
         fwrite(g, offsetof(dem_grain, fixed), 1, out), fputc(g->fixed, out);
+        if (g->kind > 0) fputs(def->kinds[g->kind].name, out);
+    }
     for (const dem_contact *c = def->contacts; def->n_contacts && c < def->contacts + def->n_contacts; c++)
         fprintf(out, "spring %u %u %d %a %a\n", c->id_a, c->id_b, c->wall, c->shear_spring,
                 c->rolling_spring);

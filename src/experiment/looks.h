@@ -19,11 +19,11 @@ void exp_mark(exp_run *run);
 /* The grains of a scope at this look: of a region, or of a kind. */
 typedef struct {
     bool all, circle;
-    size_t n_points;      /* of a polygon */
-    const double *points; /* the run's own, of this region */
-    double at[4];         /* x, y from and to; or centre, radius */
-    const int32_t *kinds; /* by ids from 1 on; NULL: of any kind */
-    int32_t kind;
+    size_t n_points;       /* of a polygon */
+    const double *points;  /* the run's own, of this region */
+    double at[4];          /* x, y from and to; or centre, radius */
+    const uint32_t *kinds; /* by ids from 1 on; NULL: of any kind */
+    uint32_t kind;
 } exp_within;
 const char *exp_region_fault(const exp_within *region);          /* NULL: none */
 exp_within exp_within_now(exp_run *run, const exp_scope *scope); /* a faulty region ends the run */

@@ -35,7 +35,7 @@ const char *exp_region_fault(const exp_within *a)
 exp_within exp_within_now(exp_run *run, const exp_scope *scope)
 {
     exp_within a = {.all = scope->sort != EXP_REGION};
-    if (scope->sort == EXP_KIND) a.kinds = run->kinds, a.kind = (int32_t)scope->index;
+    if (scope->sort == EXP_KIND) a.kinds = run->kinds, a.kind = (uint32_t)scope->index;
     if (a.all) return a;
     const exp_region *r = &run->plan->regions[scope->index];
     a.circle = r->circle;

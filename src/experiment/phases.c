@@ -72,24 +72,6 @@ static rp_status make_room(exp_run *run)
     return RP_OK;
 }
 
-/* The simulation, and the kinds of its grains. */
-static rp_status fill(exp_run *run, dem_scene *scene)
-{
-    const exp_plan *plan = run->plan;
-    size_t i = scene->grains ? scene->def.n_grains : 0;
-    RP_SCOPE(arena);
-    RP_NEW(&arena, scene->ends, scene->n_fills);
-    if (plan->adds) scene->def.radius_to_come = 0.5 * plan->d, scene->def.mass_to_come = plan->m;
-    RP_TRY(dem_scene_start(scene, &run->sim));
-    if (!exp_make_ids(run, dem_count(run->sim) + 1)) return run->failed;
-    for (size_t k = 0; k < scene->n_fills; k++) {
-        const char *name = scene->fills[k].kind;
-        const exp_scope *kind = exp_scope_named(plan, EXP_KIND, name, strlen(name), NULL);
-        for (; i < scene->ends[k]; i++) run->kinds[i] = kind ? (int32_t)kind->index : -1;
-    }
-    return RP_OK;
-}
-
 /* A run without a simulation. */
 static rp_status make_run(const exp_plan *plan, unsigned long seed, unsigned long stream, exp_run **made)
 {
@@ -112,7 +94,9 @@ static void count_start(exp_run *run)
 {
     run->at.grains0 = dem_count(run->sim);
     const dem_state *s = exp_states(run);
-    for (size_t i = 0; s && i < run->n_states; i++) run->at.mass0 += s[i].m;
+    if (!exp_make_ids(run, s && run->n_states ? s[run->n_states - 1].id + 1 : 1)) return;
+    for (size_t i = 0; s && i < run->n_states; i++)
+        run->at.mass0 += s[i].m, run->kinds[s[i].id - 1] = s[i].kind;
 }
 
 rp_status exp_start(const exp_plan *plan, unsigned long seed, unsigned long stream, exp_run **made)
@@ -123,7 +107,8 @@ rp_status exp_start(const exp_plan *plan, unsigned long seed, unsigned long stre
     scene.seed = (long)seed, scene.run = (long)stream;
     for (int k = 0; k < 2; k++) scene.streams[k] = run->random[k];
     scene.cut = &run->cut;
-    rp_status status = fill(run, &scene);
+    if (plan->adds) scene.def.radius_to_come = 0.5 * plan->d, scene.def.mass_to_come = plan->m;
+    rp_status status = dem_scene_start(&scene, &run->sim);
     if (status == RP_NO_RESULT) return exp_conclude(run, "no_room", "%s", rp_message()), RP_OK;
     if (status) return rp_prefix(status, "%s: ", plan->text->path);
     count_start(run);
@@ -141,8 +126,6 @@ rp_status exp_start_at(const exp_plan *plan, size_t phase, const dem_sim *sim, e
     run->at.steps = dem_step(sim), run->at.phase = phase;
     for (size_t k = 0; k < phase; k++)
         if (plan->phases[k].has_laws) run->at.now.laws = k;
-    const dem_state *s = exp_states(run);
-    exp_make_ids(run, s && run->n_states ? s[run->n_states - 1].id + 1 : 1);
     return run->failed;
 }
 

@@ -178,8 +178,8 @@ static rp_status read(exp_plan *plan)
                               "steps: a text with phases ends with their last");
     RP_TRY(read_result(plan));
     RP_NEW(&plan->arena, plan->scopes,
-           plan->scene.def.n_walls + plan->scene.n_fills +
-               2 * exp_count_phases(config_lookup(&text->config, "phases")) +
+           plan->scene.def.n_walls + plan->scene.def.n_kinds +
+               exp_count_phases(config_lookup(&text->config, "phases")) +
                length(config_lookup(&text->config, "regions")) +
                length(config_lookup(&text->config, "measure")));
     RP_TRY(read_walls(plan));

@@ -80,8 +80,7 @@ typedef struct {
 /* Grains that a phase puts in. */
 typedef struct {
     bool on, in_range; /* the latter: anywhere between y[0] and y[1] */
-    long kind;         /* number, -1: none */
-    const char *kind_name;
+    uint32_t kind;     /* number; 0: none */
     exp_expression n, r, density, x[2], y[2], vx, vy, omega, gap;
     dem_fill radii;
 } exp_add;
@@ -154,8 +153,7 @@ struct exp_plan {
         double energy, force;
         long looks, every;
     } rest;
-    size_t n_scopes, n_regions, n_walls, n_phases, n_measures, n_outputs, n_uses, n_states, n_kinds, n_loads,
-        n_series;
+    size_t n_scopes, n_regions, n_walls, n_phases, n_measures, n_outputs, n_uses, n_states, n_loads, n_series;
     size_t *series;    /* measures with a table */
     exp_scope *scopes; /* in the order of the text */
     exp_move **loads;

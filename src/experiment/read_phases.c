@@ -141,11 +141,10 @@ static rp_status read_add(const config_setting_t *group, exp_place *place, exp_a
 {
     static const char others[] = "N kind r density x y vx vy omega gap radii";
     exp_plan *plan = place->plan;
-    const config_setting_t *x = member(group, "x"), *y = member(group, "y"), *kind = member(group, "kind");
+    const config_setting_t *x = member(group, "x"), *y = member(group, "y");
     const double fallbacks[] = {1.0, NAN, NAN, 0.0, 0.0, 0.0, 1e-6 * plan->d};
     if (!config_setting_is_group(group)) return rp_config_fail(group, "add: a group { ... } expected");
     if (!x || !y) return rp_config_fail(group, "add: %s: missing", x ? "y" : "x");
-    if (kind && !config_setting_get_string(kind)) return rp_config_fail(kind, "kind: a name expected");
     const bool x_range = !config_setting_is_scalar(x), y_range = !config_setting_is_scalar(y);
     const exp_key_of keys[] = {{"N", &a->n, .range = "[0, inf)", .whole = true},
                                {"r", &a->r, .range = "(0, inf)"},
@@ -157,11 +156,8 @@ static rp_status read_add(const config_setting_t *group, exp_place *place, exp_a
                                {"x", a->x, .n = x_range ? 2 : 0},
                                {"y", a->y, .n = y_range ? 2 : 0},
                                {0}};
-    a->on = plan->adds = true, a->in_range = y_range, a->kind = -1;
-    if (kind) {
-        a->kind_name = config_setting_get_string(kind);
-        a->kind = (long)exp_scope_named(plan, EXP_KIND, a->kind_name, strlen(a->kind_name), NULL)->index;
-    }
+    a->on = plan->adds = true, a->in_range = y_range;
+    RP_TRY(dem_read_kind(group, &plan->scene, &a->kind));
     place->of_grain = true;
     RP_TRY(exp_read_keys(group, "add.", keys, place));
     place->of_grain = false;
@@ -223,14 +219,6 @@ static rp_status read_from(exp_plan *plan, size_t k, exp_phase *p)
     return exp_find(plan, EXP_REGION, p->setting, "remove", p->remove, &p->removes.index);
 }
 
-/* The kind of a fill, or of what a phase adds; "": none. */
-static rp_status name_kind(exp_plan *plan, const config_setting_t *setting, const char *kind)
-{
-    if (!*kind || exp_scope_named(plan, EXP_KIND, kind, strlen(kind), NULL)) return RP_OK;
-    RP_TRY(exp_check_name(plan, setting, "a kind", kind));
-    return exp_add_scope(plan, EXP_KIND, plan->n_kinds++, kind), RP_OK;
-}
-
 /* What a block may say; all else is of its phases. */
 static const char of_block[] = "name if until phases repeat from go_on status";
 
@@ -248,7 +236,6 @@ static rp_status check_block(const config_setting_t *block)
 static rp_status name_phase(exp_plan *plan, const config_setting_t *setting, size_t block, bool has_inner)
 {
     exp_phase *p = &plan->phases[plan->n_phases];
-    const config_setting_t *add = member(setting, "add"), *kind = add ? member(add, "kind") : NULL;
     *p = (exp_phase){.setting = setting, .block = block, .ending = EXP_UNTIL};
     rp_params_defaults(exp_phase_schema, plan->scene.def.units, p);
     RP_TRY(rp_config_group(setting, exp_phase_schema, p, has_inner ? "if until phases" : exp_phase_keys));
@@ -268,8 +255,6 @@ static rp_status name_phase(exp_plan *plan, const config_setting_t *setting, siz
                               "status = \"%s\": up to 23 letters, digits and _ expected", p->status);
     if (*p->status) RP_TRY(check_status(member(setting, "status"), p->status));
     RP_TRY(exp_read_if(plan, setting, &p->left_out));
-    if (kind && config_setting_get_string(kind))
-        RP_TRY(name_kind(plan, kind, config_setting_get_string(kind)));
     plan->n_loads += length(member(setting, "walls"));
     return exp_add_scope(plan, EXP_PHASE, plan->n_phases++, p->name), RP_OK;
 }
@@ -402,9 +387,12 @@ size_t exp_count_phases(const config_setting_t *list)
 
 rp_status exp_name_phases(exp_plan *plan)
 {
-    const config_setting_t *list = config_lookup(&plan->text->config, "phases"),
-                           *fill = config_lookup(&plan->text->config, "fill");
-    for (size_t k = 0; k < plan->scene.n_fills; k++) RP_TRY(name_kind(plan, fill, plan->scene.fills[k].kind));
+    const config_setting_t *list = config_lookup(&plan->text->config, "phases");
+    const dem_kind *kinds = plan->scene.def.kinds;
+    for (size_t k = 1; k < plan->scene.def.n_kinds; k++) {
+        RP_TRY(exp_check_name(plan, list, "a kind", kinds[k].name));
+        exp_add_scope(plan, EXP_KIND, k, kinds[k].name);
+    }
     RP_TRY(exp_check_count(list, exp_count_phases(list)));
     RP_NEW(&plan->arena, plan->phases, exp_count_phases(list));
     RP_TRY(name_phases(plan, list, SIZE_MAX));

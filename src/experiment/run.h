@@ -63,7 +63,7 @@ struct exp_run {
     double *counters, *values; /* of expressions; of outputs */
     exp_samples *samples;      /* of measures */
     double *marks;             /* x, y of ids from 1 on, in the box's frame; NAN: none */
-    int32_t *kinds;            /* of ids from 1 on; -1: none */
+    uint32_t *kinds;           /* of ids from 1 on; 0: none */
     long *loads;               /* of walls, along x and y: number of the load, or -1 */
     rp_random *random[2];      /* radii and places of the first fill, then of grains that are added */
     exp_saved *saved;          /* of phases */

@@ -63,10 +63,10 @@ bool exp_make_ids(exp_run *run, size_t id)
     if (id <= run->n_ids) return true;
     double *marks = realloc(run->marks, 2 * n * sizeof *marks);
     if (marks) run->marks = marks;
-    int32_t *kinds = realloc(run->kinds, n * sizeof *kinds);
+    uint32_t *kinds = realloc(run->kinds, n * sizeof *kinds);
     if (kinds) run->kinds = kinds;
     if (!marks || !kinds) return run->failed = rp_fail(RP_NO_MEMORY, "grains: out of memory"), false;
-    for (size_t k = run->n_ids; k < n; k++) marks[2 * k] = marks[2 * k + 1] = NAN, kinds[k] = -1;
+    for (size_t k = run->n_ids; k < n; k++) marks[2 * k] = marks[2 * k + 1] = NAN, kinds[k] = 0;
     run->n_ids = n;
     return true;
 }

@@ -76,7 +76,8 @@ rp_status dem_states(const dem_sim *sim, dem_state *states)
                                 .omega = sim->grains.omega ? omega(sim, i) : 0.0,
                                 .torque = sim->grains.force_torque ? sim->grains.force_torque[i].torque : 0.0,
                                 .contacts = contacts[i],
-                                .fixed = dem_is_fixed(sim, i)};
+                                .fixed = dem_is_fixed(sim, i),
+                                .kind = dem_kind_of(sim, i)};
     }
     free(contacts);
     free(index);

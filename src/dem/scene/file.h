@@ -44,7 +44,8 @@ rp_status dem_read_group(const config_setting_t *root, int number, void *values,
 /* Is a group there, or left out by its condition? */
 rp_status dem_is_wanted(const config_setting_t *group, bool *wanted);
 
-/* A name of the file, which is kept in the arena. */
+/* A name of the file, "" for none, which is kept in the arena. */
+bool dem_is_name(const char *text);
 rp_status dem_read_name(rp_arena *arena, const config_setting_t *setting, const char *key, const char **name);
 
 /* `polygon = ( [x, y], ... )`, as a new array. */
@@ -53,6 +54,11 @@ rp_status dem_read_points(rp_arena *arena, const config_setting_t *list, size_t 
 
 /* The groups of the contacts' parameters that stand in a text, over those that are there. */
 rp_status dem_read_physics(const config_setting_t *root, dem_scene *scene);
+
+/* The number of a kind by its name, "" for none; a new one comes to the scene's. The kinds of a text that no
+ * grain of its start has. */
+rp_status dem_number_kind(dem_scene *scene, const char *name, uint32_t *number);
+rp_status dem_read_kinds(const config_setting_t *root, dem_scene *scene);
 
 rp_status dem_read_walls(const config_setting_t *root, dem_scene *scene);
 rp_status dem_read_fills(const config_setting_t *fill, dem_scene *scene);

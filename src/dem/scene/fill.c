@@ -136,7 +136,12 @@ static void put_there(cells *c, const dem_fill *f, const dem_grain *all)
 
 static dem_grain grain_of(const dem_fill *f, double x, double y, double r)
 {
-    return (dem_grain){.x = x, .y = y, .r = r, .m = dem_mass(f->shape, f->density, r), .fixed = f->fixed};
+    return (dem_grain){.x = x,
+                       .y = y,
+                       .r = r,
+                       .m = dem_mass(f->shape, f->density, r),
+                       .fixed = f->fixed,
+                       .kind = f->of_kind};
 }
 
 static rp_status no_room(const dem_fill *f, long i, double r)

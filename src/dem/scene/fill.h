@@ -48,6 +48,7 @@ typedef struct {
     size_t n_radii; /* of the table: radius and share of each, borrowed */
     const double *radii;
     const char *kind; /* a name of these grains, "" or NULL for none */
+    uint32_t of_kind; /* its number in the definition; 0: none */
     bool fixed;       /* grains that never move */
     double spacing;   /* of a row or lattice, from centre to centre; 0: of grains that touch */
     size_t n_corners; /* of a polygon that centres lie in, x and y of each, borrowed; 0: none */

@@ -225,10 +225,15 @@ rp_status dem_read_group(const config_setting_t *root, int number, void *values,
     return rp_config_group(group, SCHEMA(number), values, "if");
 }
 
+bool dem_is_name(const char *text)
+{
+    return strlen(text) < DEM_NAME_BYTES && strspn(text, RP_NAME_LETTERS) == strlen(text) &&
+           !isdigit((unsigned char)*text);
+}
+
 rp_status dem_read_name(rp_arena *arena, const config_setting_t *setting, const char *key, const char **name)
 {
-    if (strlen(*name) >= DEM_NAME_BYTES || strspn(*name, RP_NAME_LETTERS) != strlen(*name) ||
-        isdigit((unsigned char)**name))
+    if (!dem_is_name(*name))
         return rp_config_fail(setting, "%s = \"%s\": up to %d letters, digits and _ expected", key, *name,
                               DEM_NAME_BYTES - 1);
     *name = rp_text(arena, "%s", *name);

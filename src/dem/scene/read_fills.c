@@ -74,6 +74,7 @@ static rp_status read_fill(const config_setting_t *group, dem_scene *scene, dem_
     f->corners = corners;
     RP_TRY(check_fill(group, scene, f));
     RP_TRY(dem_read_name(arena, group, "kind", &f->kind));
+    RP_TRY(dem_number_kind(scene, f->kind, &f->of_kind));
     f->shape = scene->laws.physics.shape;
     if (f->density < 0.0) f->density = scene->laws.physics.density;
     if (f->H < 0.0) f->H = INFINITY;

@@ -39,7 +39,8 @@ static rp_status read_particles(const config_setting_t *list, dem_scene *scene)
     for (size_t i = 0; i < length(list); i++) {
         dem_grain *p = &scene->grains[i];
         rp_params_defaults(SCHEMA(PARTICLES), scene->def.units, p);
-        RP_TRY(rp_config_group(element(list, i), SCHEMA(PARTICLES), p, NULL));
+        RP_TRY(rp_config_group(element(list, i), SCHEMA(PARTICLES), p, "kind"));
+        RP_TRY(dem_read_kind(element(list, i), scene, &p->kind));
         RP_TRY(add_grain(scene, i, config_setting_source_line(element(list, i))));
     }
     return RP_OK;
@@ -61,11 +62,24 @@ static rp_status read_cell(const rp_table *table, size_t row, int column, const 
                      table->places[row].line);
 }
 
+/* A kind by its name or its number in the scene, as tables of states have it. */
+static rp_status read_kind(const rp_table *table, size_t row, int column, dem_scene *scene, uint32_t *kind)
+{
+    const char *cell = rp_cell(table, row, column);
+    double number = 0.0;
+    if (dem_is_name(cell)) return dem_number_kind(scene, cell, kind);
+    RP_TRY(rp_table_number(table, row, column, false, &number));
+    *kind = number >= 0.0 && number < fmax((double)scene->def.n_kinds, 1.0) ? (uint32_t)number : 0;
+    if ((double)*kind == number) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "%s:%zu: kind = %s: the name of a kind expected, or its number in the scene",
+                   table->places[row].path, table->places[row].line, cell);
+}
+
 static rp_status read_particles_table(const rp_table *table, dem_scene *scene)
 {
     enum { N = 9 }; /* keys of a grain */
     const rp_param *keys = SCHEMA(PARTICLES);
-    int columns[N];
+    int columns[N], kind = rp_table_column(table, "kind");
     if (table->n_rows == 0) return rp_fail(RP_BAD_INPUT, "%s: no particles", table->path);
     if (!table->names[0]) return rp_table_nameless(table);
     for (int c = 0; c < N; c++) {
@@ -79,6 +93,7 @@ static rp_status read_particles_table(const rp_table *table, dem_scene *scene)
         rp_params_defaults(keys, scene->def.units, p);
         for (int c = 0; c < N; c++)
             if (columns[c] >= 0) RP_TRY(read_cell(table, i, columns[c], &keys[c], scene->def.units, p));
+        if (kind >= 0) RP_TRY(read_kind(table, i, kind, scene, &p->kind));
         RP_TRY(add_grain(scene, i, table->places[i].line));
     }
     return RP_OK;

@@ -97,6 +97,7 @@ rp_status dem_text_scene(dem_text *text, dem_scene *scene)
                                   "%s: needs phases, as in phases = ( { name = \"run\"; steps = %ld; } );",
                                   *key, scene->steps);
     RP_TRY(dem_read_grains(text->path, root, scene));
+    RP_TRY(dem_read_kinds(root, scene));
     for (size_t k = 0; k < scene->n_fills; k++) {
         const dem_fill *f = &scene->fills[k];
         const double m = dem_mass(f->shape, f->density, dem_radius_mean(f)), least = def->mass_to_come;
@@ -146,7 +147,6 @@ rp_status dem_scene_grains(const dem_scene *scene, dem_grain **grains, size_t *n
         if (k == 0) memcpy(one.streams, scene->streams, sizeof one.streams);
         RP_TRY(rp_prefix(dem_fill_grains(&one, *grains + *n, &placed), "%s%s", kind, *kind ? ": " : ""));
         *n += placed;
-        if (scene->ends) scene->ends[k] = *n;
     }
     return RP_OK;
 }

@@ -31,7 +31,6 @@ typedef struct {
     long seed, run;   /* of the fills' random streams, instead of their own */
     void *streams[2]; /* of the first fill, and whether walls cut one, as of a dem_fill */
     bool *cut;
-    size_t *ends; /* may be NULL: number of grains with those of the fills up to each */
     long steps;
     dem_intervals output;
     dem_grain *grains;

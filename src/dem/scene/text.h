@@ -8,8 +8,6 @@
 #include "dem/scene/scene.h"
 #include "params/lets.h"
 
-enum { DEM_NAME_BYTES = 32 }; /* of a wall's name, and of other names that a text gives */
-
 typedef struct {
     const char *path; /* borrowed */
     config_t config;
@@ -59,6 +57,10 @@ rp_status dem_laws_apply(const dem_scene_laws *laws, const dem_material *given, 
 /* The coefficients of a wall in a group, beside other keys; *some: there is one. Errors: RP_BAD_INPUT. */
 rp_status dem_text_coefficients(const config_setting_t *group, const char *others, bool *some,
                                 dem_material *given);
+
+/* The number of the kind that the key `kind` of a group names, 0 without one; a new one comes to the scene's.
+ * Errors: RP_BAD_INPUT. */
+rp_status dem_read_kind(const config_setting_t *group, dem_scene *scene, uint32_t *number);
 
 /* Keys of radii in a group, beside other keys, `radii` among them; without any the radii of `as`, or the
  * defaults of a fill. Errors: RP_BAD_INPUT. */

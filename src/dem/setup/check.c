@@ -145,6 +145,8 @@ rp_status dem_grain_check(const dem_definition *def, const dem_grain *p)
 {
     RP_TRY(check_number("r", p->r, DBL_MIN, "(0, inf)"));
     RP_TRY(check_number("m", p->m, DBL_MIN, "(0, inf)"));
+    if (p->kind > 0 && p->kind >= def->n_kinds)
+        return rp_fail(RP_BAD_INPUT, "kind %u: there are %zu", p->kind, def->n_kinds);
     if (p->fixed && (p->vx != 0.0 || p->vy != 0.0 || p->omega != 0.0))
         return rp_fail(RP_BAD_INPUT, "vx = %g, vy = %g, omega = %g: must be 0, it is fixed", p->vx, p->vy,
                        p->omega);

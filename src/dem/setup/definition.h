@@ -22,6 +22,18 @@ rp_status dem_scheme_check(const dem_definition *def);
 rp_status dem_physics_resolve(dem_definition *copy);
 void dem_physics_free(dem_definition *copy, const dem_definition *def);
 
+/* Let a definition have kinds and pairs of its own, all 0; or those of another; free them. Errors:
+ * RP_NO_MEMORY, after which it may be freed. */
+rp_status dem_kinds_alloc(dem_definition *def, bool pairs);
+rp_status dem_kinds_copy(const dem_definition *of, dem_definition *def);
+void dem_kinds_free(dem_definition *def);
+
+/* Entries of the pairs, walls included. */
+static inline size_t dem_pair_count(const dem_definition *def)
+{
+    return def->n_kinds * (def->n_kinds + def->n_walls);
+}
+
 /* Largest speed of a wall's points, of a line of those beside the grains of the start; by its own motion, or
  * as the box turns. */
 double dem_wall_speed(const dem_definition *def, const dem_wall *wall);

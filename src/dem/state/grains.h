@@ -50,6 +50,7 @@ typedef enum {
     X(double, mass, true, DEM_STATE)                                                                         \
     X(double, inverse_mass, true, DEM_STATE)                                                                 \
     X(uint32_t, id, true, DEM_STATE)                                                                         \
+    X(uint32_t, kind, def->n_kinds > 1, DEM_STATE)                                                           \
     X(double, angle, def->rotation, DEM_STATE)                                                               \
     X(double, omega, def->rotation, DEM_STATE)                                                               \
     X(double, inverse_inertia, def->rotation, DEM_STATE)                                                     \

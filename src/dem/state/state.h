@@ -89,6 +89,11 @@ static inline dem_forces dem_forces_of(const dem_grains *g)
                            : (dem_forces){(char *)g->force, sizeof *g->force};
 }
 
+static inline uint32_t dem_kind_of(const dem_sim *sim, size_t i)
+{
+    return sim->grains.kind ? sim->grains.kind[i] : 0;
+}
+
 static inline bool dem_is_fixed(const dem_sim *sim, size_t i)
 {
     return sim->grains.inverse_mass[i] == 0.0;
