@@ -720,9 +720,9 @@ static void test_types(void)
     GOOD("export s.cfg --to lammps-input -o s.in");
     CU_ASSERT(shell("grep -c pair_coeff s.in >out") == 0 && strcmp(out, "300\n") == 0);
     write_text("g.tsv", "%s25\t0\t0.5\n", grains);
-    FAILS(65, "each radius is a type, at most 24", "export s.cfg --to lammps-input -o t.in");
+    FAILS(65, "each radius is a type of LAMMPS, at most 24;", "export s.cfg --to lammps-input -o t.in");
 #define ROLLS "--set normal.law=linear --set rotation=true --set tangential.law=spring --set rolling.mu=0.1 "
-    FAILS(65, "each radius and mass is a type, at most 24",
+    FAILS(65, "normal.law = \"linear\", rolling.gamma: each radius and mass is a type of LAMMPS, at most 24;",
           "export s.cfg " ROLLS
           "--set rolling.gamma=1 --set tangential.damping=inside --to lammps-input -o t.in");
     GOOD("export s.cfg " ROLLS
@@ -779,7 +779,7 @@ static void test_refused(void)
         {"tangential.slip=total", "tangential.slip = \"total\""},
         {"tangential.damping=outside", "tangential.damping = \"outside\""},
         {"tangential.mu=infinite", "tangential.mu = infinite"},
-        {"normal.gamma_n=0", "tangential.gamma_s = 30"},
+        {"normal.gamma_n=0 --set dt=1e-6", "tangential.gamma_s = 30"},
         {"tangential.law=mindlin", "tangential.gamma_s = 30: LAMMPS damps shear"},
         {"particles_file=bed.tsv --set contacts_file=contacts.tsv", "contacts_file: springs"},
         {"x_max=5", "x_max: "},
@@ -807,7 +807,7 @@ static void test_refused(void)
         {"mu = \"infinite\";", "wall 1: tangential.mu = infinite"}};
     for (size_t i = 0; i < sizeof walls / sizeof *walls; i++) {
         write_text("w.cfg",
-                   "particles_file = \"grains.tsv\"; normal = { tension = false; };\n"
+                   "dt = 1e-6; particles_file = \"grains.tsv\"; normal = { tension = false; };\n"
                    "tangential = { law = \"spring\"; mu = 0.1; damping = \"inside\"; };\n"
                    "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; %s } );\n",
                    walls[i][0]);
@@ -827,8 +827,7 @@ static void test_refused(void)
          "tangential.gamma_s = 0.24"},
         {WITH_GRAINS "dt = 1e-6; material = { E = 1e7; nu = 0.3; restitution = 0.1; mu = 0.5; };",
          "normal.gamma_n = 2.77"},
-        {"fill = { N = 30; W = 2.0; H = 8.0; };",
-         "normal.law = \"hertz\": LAMMPS' k_n depends on the radii"}};
+        {"fill = { N = 30; W = 2.0; H = 8.0; };", "normal.law = \"hertz\": each radius is a type of LAMMPS"}};
     CHECK_REFUSED(scenes, "w.cfg", "export w.cfg --to lammps-input -o a.in");
     CU_ASSERT(shell("ls a.in a.data >out 2>err") != 0);
 }

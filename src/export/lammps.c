@@ -12,11 +12,12 @@
 #include "dem/setup/definition.h"
 #include "dem/scene/scene.h"
 
-/* Where k_n is the same for all radii here and grows as sqrt(R_eff) in LAMMPS, or rolling is damped by the
- * mass, which LAMMPS leaves out, each radius and mass is a type, and for walls a group, of which LAMMPS
- * has 32. */
+/* Each kind is a type. Where k_n is the same for all radii here and grows as sqrt(R_eff) in LAMMPS, so is
+ * each radius; where rolling is damped by the mass, which LAMMPS leaves out, each radius and mass. For walls
+ * a type is a group, of which LAMMPS has 32. */
 enum { MOST_TYPES = 24 };
 typedef struct {
+    uint32_t kind;
     double r, m; /* 0: all */
 } grain_type;
 
@@ -25,6 +26,7 @@ typedef struct {
     dem_definition def; /* with all coefficients known */
     dem_state *grains;
     size_t n, n_types;
+    bool by_mass;
     grain_type types[MOST_TYPES];
     double box[2][2], largest;
 } lammps_scene;
@@ -79,7 +81,6 @@ static rp_status check_walls(const dem_definition *def)
         if (wall->velocity[0] != 0.0 || wall->velocity[1] != 0.0 || wall->omega != 0.0)
             return rp_fail(RP_BAD_INPUT, "%s%s: walls of the input are at rest", name,
                            wall->omega != 0.0 ? "omega" : "velocity");
-        RP_TRY(check_material(def, &wall->material, name));
     }
     return RP_OK;
 }
@@ -117,48 +118,72 @@ static rp_status check_scene(const dem_definition *def)
         return rp_fail(RP_BAD_INPUT, "tangential.law = \"%s\": LAMMPS has no such law", shear->name);
     for (size_t i = 0; i < sizeof checks / sizeof *checks; i++)
         if (checks[i].differs) return rp_fail(RP_BAD_INPUT, "%s", checks[i].message);
-    RP_TRY(check_material(def, &def->material, ""));
     return check_walls(def);
 }
 
-/* The type of a grain; 0 where nothing asks for it. */
-static grain_type type_of(const dem_definition *def, const dem_state *grain)
+static grain_type type_of(const lammps_scene *s, const dem_state *grain)
 {
-    bool damped = dem_has_rolling(def) && def->material.gamma_roll > 0.0;
-    for (size_t w = 0; w < def->n_walls; w++)
-        damped |= dem_has_rolling(def) && dem_walls_of(def)[w].material.gamma_roll > 0.0;
-    return (grain_type){normal_law(def)->lammps_by_radius || damped ? grain->r : 0.0,
-                        damped ? grain->m : 0.0};
+    return (grain_type){grain->kind, normal_law(&s->def)->lammps_by_radius || s->by_mass ? grain->r : 0.0,
+                        s->by_mass ? grain->m : 0.0};
 }
 
-static int by_size(const void *a, const void *b)
+static int by_type(const void *a, const void *b)
 {
     const grain_type *p = a, *q = b;
+    if (p->kind != q->kind) return p->kind < q->kind ? -1 : 1;
     return p->r != q->r ? (p->r > q->r) - (p->r < q->r) : (p->m > q->m) - (p->m < q->m);
 }
 
-static rp_status find_types(lammps_scene *s)
+/* Coefficients of types a and b; for b from the number of types on, of a and a wall. */
+static const dem_material *material_of(const lammps_scene *s, size_t a, size_t b)
 {
+    const uint32_t kind = s->types[a].kind;
+    return b < s->n_types ? dem_pair_material(&s->def, kind, s->types[b].kind)
+                          : dem_material_at(&s->def, b - s->n_types, kind);
+}
+
+static rp_status list_types(lammps_scene *s)
+{
+    s->n_types = 0;
     for (size_t i = 0, k; i < s->n; i++) {
-        const grain_type type = type_of(&s->def, &s->grains[i]);
-        for (k = 0; k < s->n_types && by_size(&s->types[k], &type) != 0; k++) {
+        const grain_type type = type_of(s, &s->grains[i]);
+        for (k = 0; k < s->n_types && by_type(&s->types[k], &type) != 0; k++) {
         }
         if (k == MOST_TYPES)
-            return type.m > 0.0 ? rp_fail(RP_BAD_INPUT,
-                                          "rolling.gamma: LAMMPS damps rolling without the mass, so that "
-                                          "each radius and mass "
-                                          "is a type, at most %d; 0 goes",
-                                          MOST_TYPES)
-                                : rp_fail(RP_BAD_INPUT,
-                                          "normal.law = \"%s\": LAMMPS' k_n depends on the radii, so that "
-                                          "each radius is a "
-                                          "type, at most %d; equal grains or the law \"linear\" go",
-                                          normal_law(&s->def)->name, MOST_TYPES);
+            return rp_fail(
+                RP_BAD_INPUT,
+                "normal.law = \"%s\"%s: each %s is a type of LAMMPS, at most %d; the law \"linear\" and "
+                "rolling.gamma = 0 need one for each kind",
+                normal_law(&s->def)->name, s->by_mass ? ", rolling.gamma" : "",
+                s->by_mass     ? "radius and mass"
+                : type.r > 0.0 ? "radius"
+                               : "kind",
+                MOST_TYPES);
         s->types[k] = type;
         if (k == s->n_types) s->n_types++;
     }
-    qsort(s->types, s->n_types, sizeof *s->types, by_size);
+    qsort(s->types, s->n_types, sizeof *s->types, by_type);
     return RP_OK;
+}
+
+/* The types, whose laws LAMMPS must have. */
+static rp_status find_types(lammps_scene *s)
+{
+    const size_t n_walls = s->def.n_walls;
+    RP_TRY(list_types(s));
+    for (size_t a = 0; a < s->n_types; a++)
+        for (size_t b = a; b < s->n_types + n_walls; b++) {
+            char of[2 * DEM_NAME_BYTES + 32] = "";
+            const dem_material *m = material_of(s, a, b);
+            const char *first = s->def.n_kinds > 1 ? s->def.kinds[s->types[a].kind].name : "";
+            if (b >= s->n_types)
+                snprintf(of, sizeof of, "wall %zu%s%s: ", b - s->n_types + 1, *first ? ", " : "", first);
+            else if (s->def.pairs)
+                snprintf(of, sizeof of, "%s, %s: ", first, s->def.kinds[s->types[b].kind].name);
+            RP_TRY(check_material(&s->def, m, of));
+            s->by_mass |= dem_has_rolling(&s->def) && m->gamma_roll > 0.0;
+        }
+    return s->by_mass ? list_types(s) : RP_OK;
 }
 
 /* The grains of the start, and with them what a restitution stands for. */
@@ -176,7 +201,7 @@ static rp_status start_scene(rp_arena *arena, lammps_scene *s)
         const dem_state *p = &s->grains[i];
         const double x[2] = {p->x, p->y};
         grains[i] = (dem_grain){.x = p->x, .y = p->y, .r = p->r, .m = p->m, .fixed = p->fixed};
-        grains[i].vx = p->vx, grains[i].vy = p->vy, grains[i].omega = p->omega;
+        grains[i].kind = p->kind, grains[i].vx = p->vx, grains[i].vy = p->vy, grains[i].omega = p->omega;
         for (int k = 0; k < 2; k++) {
             s->box[k][0] = fmin(s->box[k][0], x[k] - p->r);
             s->box[k][1] = fmax(s->box[k][1], x[k] + p->r);
@@ -199,8 +224,8 @@ static void write_data(const lammps_scene *s, const char *scene, FILE *out)
             RP_SHORT(s->largest));
     for (size_t i = 0; i < s->n; i++) {
         const dem_state *p = &s->grains[i];
-        const grain_type type = type_of(&s->def, p),
-                         *found = bsearch(&type, s->types, s->n_types, sizeof type, by_size);
+        const grain_type type = type_of(s, p),
+                         *found = bsearch(&type, s->types, s->n_types, sizeof type, by_type);
         fprintf(out, "%u %td %s %s %s %s 0\n", p->id, found - s->types + 1, RP_SHORT(2.0 * p->r),
                 RP_SHORT(p->m / dem_mass(DEM_SPHERE, 1.0, p->r)), RP_SHORT(p->x), RP_SHORT(p->y));
     }
@@ -220,10 +245,12 @@ static double tsuji_restitution(double gamma_n)
     return low;
 }
 
-/* The law of a contact of two types, for a wall b NULL, in the words of pair_coeff. */
-static void write_law(const dem_definition *def, const dem_material *m, const grain_type *a,
-                      const grain_type *b, FILE *out)
+/* The law of a contact of two types, or of a type and a wall, in the words of pair_coeff. */
+static void write_law(const lammps_scene *s, size_t i, size_t j, FILE *out)
 {
+    const dem_definition *def = &s->def;
+    const dem_material *m = material_of(s, i, j);
+    const grain_type *a = &s->types[i], *b = j < s->n_types ? &s->types[j] : NULL;
     const double r_eff = b ? a->r * b->r / (a->r + b->r) : a->r,
                  m_eff = b ? a->m * b->m / (a->m + b->m) : a->m;
     const dem_normal_descriptor *law = normal_law(def);
@@ -274,6 +301,8 @@ static void write_about(const lammps_scene *s, const char *scene, FILE *out)
               out);
     fprintf(out, "# shear force: %s\n# walls: the same with R_eff = r and m_eff = m, whole planes at rest\n",
             dem_tangential_descriptors[s->def.tangential].in_lammps);
+    for (size_t k = 0; k < s->n_types && s->def.n_kinds > 1; k++)
+        fprintf(out, "# type %zu: kind %s\n", k + 1, s->def.kinds[s->types[k].kind].name);
     fprintf(
         out,
         "# integrator: velocity Verlet; forces that depend on velocity take that of half a step before\n");
@@ -300,7 +329,7 @@ static void write_walls(const lammps_scene *s, FILE *out)
             char group[32] = "all";
             if (s->n_types > 1) snprintf(group, sizeof group, "type%zu", k + 1);
             fprintf(out, "fix wall%zu_%zu %s wall/gran/region granular ", w + 1, k + 1, group);
-            write_law(def, &wall->material, &s->types[k], NULL, out);
+            write_law(s, k, s->n_types + w, out);
             fprintf(out, " region wall%zu\n", w + 1);
         }
     }
@@ -336,7 +365,7 @@ static void write_input(const lammps_scene *s, const char *scene, const char *st
     for (size_t i = 0; i < s->n_types; i++)
         for (size_t j = i; j < s->n_types; j++) {
             fprintf(out, s->n_types > 1 ? "pair_coeff %zu %zu " : "pair_coeff * * ", i + 1, j + 1);
-            write_law(&s->def, &s->def.material, &s->types[i], &s->types[j], out);
+            write_law(s, i, j, out);
             fputc('\n', out);
         }
     fprintf(out, "neighbor %s bin\nneigh_modify every 1 delay 0 check yes\ntimestep %s\n\n",
@@ -380,8 +409,7 @@ static rp_status prepare(rp_arena *arena, lammps_scene *s)
     if (s->scene.phases) return rp_fail(RP_BAD_INPUT, "phases: the input is of a scene without them");
     RP_TRY(check_scene(&s->scene.def));
     RP_TRY(start_scene(arena, s));
-    RP_TRY(check_scene(&s->def)); /* with what a restitution stands for */
-    return find_types(s);
+    return find_types(s); /* with what a restitution stands for */
 }
 
 rp_status export_lammps_input(rp_arena *arena, const char *scene, const rp_texts *changes, const char *path,

@@ -155,7 +155,7 @@ static const char *const columns[][2] = {
     {"x", "x xu xs xsu"}, {"y", "y yu ys ysu"},  {"r", "radius diameter"},
     {"z", "z zu zs zsu"}, {"m", "mass density"}, {"vx", "vx"},
     {"vy", "vy"},         {"omega", "omegaz"},   {"angle", "angle"},
-    {"fixed", "fixed"}};
+    {"fixed", "fixed"},   {"kind", "type"}};
 enum { REQUIRED = 3, N_COLUMNS = sizeof columns / sizeof *columns };
 
 /* A coordinate from that in the box, a radius, a mass as LAMMPS makes it of a density, in a plane too. */
@@ -168,7 +168,26 @@ static double translated(const part *p, const char *name, double v, double r)
     return box[0] + v * (box[1] - box[0]);
 }
 
-/* One column, for the grains in the order of `atoms`; key NULL: z. */
+/* A type, which is the number of a kind if the scene has some; or z. */
+static rp_status take_other(const char *name, double v, double first, dem_grain *grain,
+                            const dem_scene *scene)
+{
+    const size_t n = scene->def.n_kinds;
+    if (*name == 'z' && !(fabs(v - first) <= 1e-3 * grain->r))
+        return rp_fail(
+            RP_BAD_INPUT,
+            "%s = %g, of the first grain %g: grains in one plane expected; a cut through a packing has "
+            "other radii and contacts",
+            name, v, first);
+    if (*name == 'z' || n < 2) return RP_OK;
+    if (!(v >= 1.0 && v < (double)n && v == floor(v)))
+        return rp_fail(RP_BAD_INPUT, "type = %g: a number from 1 to %zu expected, as of the scene's kinds", v,
+                       n - 1);
+    grain->kind = (uint32_t)v;
+    return RP_OK;
+}
+
+/* One column, for the grains in the order of `atoms`; key NULL: no key of a grain. */
 static rp_status take_column(const part *p, int column, const rp_param *key, const part *atoms,
                              dem_scene *scene)
 {
@@ -191,15 +210,9 @@ static rp_status take_column(const part *p, int column, const rp_param *key, con
         v.r = translated(p, name, v.r, grain->r);
         v.i = v.r != 0.0;
         if (k == 0) first = v.r;
-        if (key) {
-            RP_TRY(rp_prefix(rp_params_set(key, scene->def.units, grain, &v), "%s:%zu: ", RP_PLACE(t, row)));
-        } else if (!(fabs(v.r - first) <= 1e-3 * grain->r)) {
-            return rp_fail(
-                RP_BAD_INPUT,
-                "%s:%zu: %s = %g, of the first grain %g: grains in one plane expected; a cut through "
-                "a packing has other radii and contacts",
-                RP_PLACE(t, row), name, v.r, first);
-        }
+        RP_TRY(rp_prefix(key ? rp_params_set(key, scene->def.units, grain, &v)
+                             : take_other(name, v.r, first, grain, scene),
+                         "%s:%zu: ", RP_PLACE(t, row)));
     }
     return RP_OK;
 }
