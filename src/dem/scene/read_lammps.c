@@ -169,8 +169,7 @@ static double translated(const part *p, const char *name, double v, double r)
 }
 
 /* A type, which is the number of a kind if the scene has some; or z. */
-static rp_status take_other(const char *name, double v, double first, dem_grain *grain,
-                            const dem_scene *scene)
+static rp_status take_other(const char *name, double v, double first, dem_grain *grain, dem_scene *scene)
 {
     const size_t n = scene->def.n_kinds;
     if (*name == 'z' && !(fabs(v - first) <= 1e-3 * grain->r))
@@ -183,8 +182,7 @@ static rp_status take_other(const char *name, double v, double first, dem_grain 
     if (!(v >= 1.0 && v < (double)n && v == floor(v)))
         return rp_fail(RP_BAD_INPUT, "type = %g: a number from 1 to %zu expected, as of the scene's kinds", v,
                        n - 1);
-    grain->kind = (uint32_t)v;
-    return RP_OK;
+    return dem_number_kind(scene, scene->def.kinds[(size_t)v].name, &grain->kind);
 }
 
 /* One column, for the grains in the order of `atoms`; key NULL: no key of a grain. */
