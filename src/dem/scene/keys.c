@@ -36,9 +36,10 @@ static const rp_param top_schema[] = {
      "whether to keep the energy ledger, which `repose run -o` writes with the energies; slower, the same "
      "bits"},
     {"particles_file", "", RP_TEXT, AT(dem_scene, particles_file), "", "",
-     "table with columns x y r and, if wanted, m vx vy angle omega fixed; instead of `particles`"},
+     "table with columns x y r and, if wanted, m vx vy angle omega fixed, or a dump or data file of LAMMPS; "
+     "instead of `particles`"},
     {"particles_step", "", RP_INT, AT(dem_scene, particles_step), "last", "[0, 2147483647] | last",
-     "step of the table, which may have several"},
+     "step of the table or dump, which may have several"},
     {"compressed", "", RP_BOOL, AT(dem_scene, compressed), "false", "",
      "whether listed grains may overlap by more than a tenth of the radius, as a packing under pressure"},
     {"contacts_file", "", RP_TEXT, AT(dem_scene, contacts_file), "", "",

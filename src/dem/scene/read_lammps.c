@@ -57,10 +57,16 @@ static rp_status next_numbers(reader *r, int n, double numbers[])
     return RP_OK;
 }
 
+static part *end_part(part *p, const char *end)
+{
+    if (p) p->n_rows = (size_t)(end - p->rows);
+    return NULL;
+}
+
 static part *begin_part(const reader *r, part *p, const char *names)
 {
     p->names = names, p->n_names = strcspn(names, "\r\n");
-    p->rows = r->at, p->n_rows = strlen(r->at), p->line = r->line;
+    p->rows = r->at, p->line = r->line;
     return p;
 }
 
@@ -71,8 +77,7 @@ static rp_status find_frame(reader *r, long wanted)
     while (*r->at) {
         char *line = next_line(r);
         if (!begins(line, "ITEM:")) continue;
-        if (in) in->n_rows = (size_t)(line - in->rows);
-        in = NULL;
+        in = end_part(in, line);
         if (begins(line, "ITEM: TIMESTEP")) RP_TRY(next_numbers(r, 1, &frame.step));
         if (begins(line, "ITEM: NUMBER OF ATOMS")) RP_TRY(next_numbers(r, 1, &frame.atoms));
         if (begins(line, "ITEM: BOX BOUNDS")) {
@@ -83,6 +88,7 @@ static rp_status find_frame(reader *r, long wanted)
         r->atoms = frame;
         in = begin_part(r, &r->atoms, line + strlen("ITEM: ATOMS "));
     }
+    end_part(in, r->at);
     if (r->atoms.rows) return RP_OK;
     return rp_fail(RP_BAD_INPUT, wanted < 0 ? "%s: no line ITEM: ATOMS" : "%s: no frame of step %ld", r->path,
                    wanted);
@@ -97,10 +103,9 @@ static rp_status find_sections(reader *r)
     for (next_line(r); *r->at;) {
         char *line = next_line(r), *style = strpbrk(line, "#\n");
         const double number = strtod(line, &end);
-        if (end > line && begins(end, " atoms")) r->atoms.atoms = number;
+        if (end > line && begins(end + strspn(end, " \t"), "atoms")) r->atoms.atoms = number;
         if (!isalpha((unsigned char)*line)) continue;
-        if (in) in->n_rows = (size_t)(line - in->rows);
-        in = NULL;
+        in = end_part(in, line);
         if (begins(line, "Velocities"))
             in = begin_part(r, &r->velocities, "id vx vy vz omegax omegay omegaz");
         if (!begins(line, "Atoms")) continue;
@@ -114,6 +119,7 @@ static rp_status find_sections(reader *r)
             c += strcspn(c, " \t\r\n"), cells++;
         if (cells == 7) in->n_names -= strlen(flags);
     }
+    end_part(in, r->at);
     return RP_OK;
 }
 
@@ -131,7 +137,10 @@ static rp_status make_table(rp_arena *arena, const char *path, part *p)
     int id;
     if (!text) return rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
     memset(text, '\n', above);
-    sprintf(text + above, "%.*s\n%.*s", (int)p->n_names, p->names, (int)p->n_rows, p->rows);
+    memcpy(text + above, p->names, p->n_names);
+    text[above + p->n_names] = '\n';
+    memcpy(text + above + p->n_names + 1, p->rows, p->n_rows);
+    text[above + p->n_names + 1 + p->n_rows] = '\0';
     for (char *c = text; (c = strchr(c, ' '));) *c = '\t';
     RP_TRY(rp_table_keep(arena, path, text, &p->table));
     const rp_table *t = p->table;
