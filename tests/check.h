@@ -30,6 +30,7 @@
     X(suite_actions)                                                                                         \
     X(suite_fills)                                                                                           \
     X(suite_material)                                                                                        \
+    X(suite_kinds)                                                                                           \
     X(suite_units)                                                                                           \
     X(suite_sizes)                                                                                           \
     X(suite_laws)                                                                                            \

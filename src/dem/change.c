@@ -202,8 +202,8 @@ rp_status dem_wall_move(dem_sim *sim, size_t w, const double velocity[2], double
         dem_wall other = sim->walls.wall[k];
         memcpy(other.point, &sim->walls.line[k].point, sizeof other.point);
         memcpy(other.direction, &sim->walls.line[k].direction, sizeof other.direction);
-        RP_TRY(dem_hidden_check(w, &next, k, &other, r));
-        RP_TRY(dem_hidden_check(k, &other, w, &next, r));
+        RP_TRY(dem_hidden_check(&sim->def, w, &next, k, &other, r));
+        RP_TRY(dem_hidden_check(&sim->def, k, &other, w, &next, r));
     }
     dem_wall_go_on(sim, w, &next, way);
     return RP_OK;

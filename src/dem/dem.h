@@ -81,7 +81,7 @@ typedef struct {
 } dem_grain;
 
 /* Kinds of grains, by name. Number 0 is that of the grains without a kind, "". */
-enum { DEM_NAME_BYTES = 32, DEM_MOST_KINDS = 10000 };
+enum { DEM_NAME_BYTES = 32, DEM_MOST_KINDS = 10000, DEM_MOST_MIXED = 64 }; /* mixed: with `pairs` */
 typedef struct {
     char name[DEM_NAME_BYTES];
 } dem_kind;
@@ -220,6 +220,11 @@ void dem_physics_apply(const dem_physics *p, dem_definition *def);
  * where these are "auto" too what follows from the wall's own. */
 dem_material dem_wall_material(rp_units units, const dem_material *given, const dem_physics *grains);
 extern const dem_material dem_material_auto; /* all negative */
+
+/* Put the coefficients that are given over others, and for negative ones what follows from the others; one of
+ * restitution and gamma_n that is given replaces the other. */
+void dem_material_over(const dem_material *given, dem_material *m);
+void dem_material_complete(const dem_definition *def, dem_material *m);
 
 /* Refuse parameters that contradict one another: coefficients of the grains or a wall of a definition; those
  * and the integrator; radii to draw from. Errors: RP_BAD_INPUT. */

@@ -115,8 +115,10 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     RP_TRY(dem_kinds_copy(def, &sim->def));
     sim->scheme = dem_schemes[def->integrator];
     if (def->hard.on) sim->hard = dem_hard_collisions;
-    sim->mu = dem_finite_mu(def->material.mu);
-    sim->def.material.mu_roll = dem_finite_mu(def->material.mu_roll);
+    dem_finite_limits(&sim->def.material);
+    for (size_t k = 0; def->pairs && k < dem_pair_count(def); k++)
+        dem_finite_limits((dem_material *)&sim->def.pairs[k]);
+    sim->pairs.kinds = def->pairs != NULL;
     sim->pairs.rotation = def->rotation;
     sim->pairs.rolling = dem_has_rolling(def);
     sim->pairs.chunk = CHUNK;
@@ -186,6 +188,8 @@ static rp_status check_new_grain(const dem_sim *sim, const dem_grain *p)
     dem_grain boxed = *p;
     dem_box_frame(sim, &boxed.x, &boxed.y);
     RP_TRY(dem_grain_check(&sim->def, &boxed));
+    RP_TRY(dem_kinds_check(
+        &(dem_definition){.n_kinds = sim->def.n_kinds, .kinds = sim->def.kinds, .n_grains = 1, .grains = p}));
     if (p->fixed) return rp_fail(RP_BAD_INPUT, "a fixed grain must be there from the start");
     dem_definition def = sim->def;
     def.grains = (dem_grain[]){*p, *p};

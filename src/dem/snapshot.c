@@ -83,8 +83,10 @@ static void keep_pairs(rp_snapshot *s, dem_sim *sim)
     RP_KEEP(s, in_order);
     rp_keep_check(s, rp_keep_bool(&in_order), "unknown words in its pairs");
     if (s->reading && !s->status) {
-        *p = (dem_pairs){
-            .rotation = sim->def.rotation, .rolling = dem_has_rolling(&sim->def), .chunk = p->chunk};
+        *p = (dem_pairs){.rotation = sim->def.rotation,
+                         .rolling = dem_has_rolling(&sim->def),
+                         .kinds = sim->def.pairs != NULL,
+                         .chunk = p->chunk};
         s->status = dem_pairs_reserve(p, n + 1);
         p->n = n;
     }
@@ -130,7 +132,6 @@ static void keep_wall_list(rp_snapshot *s, dem_sim *sim)
     rp_keep(s, w->wall, n * sizeof *w->wall);
     rp_keep(s, w->line, n * sizeof *w->line);
     rp_keep(s, w->force, n * sizeof *w->force);
-    rp_keep(s, w->mu, n * sizeof *w->mu);
     rp_keep(s, w->next, n * sizeof *w->next);
     rp_keep(s, w->start, (n + 1) * sizeof *w->start);
     bool known = true;

@@ -129,7 +129,9 @@ static double between(exp_run *run, const double ends[2])
 double exp_density(const exp_plan *plan, const exp_add *a, double given)
 {
     const dem_fill *first = plan->scene.fills;
-    return exp_given(&a->density) ? given : first ? first->density : plan->scene.laws.physics.density;
+    const dem_scene_laws *laws = &plan->scene.laws;
+    const double own = a->kind < laws->n_kinds ? laws->kinds[a->kind].density : -1.0;
+    return exp_given(&a->density) ? given : own > 0.0 ? own : first ? first->density : laws->physics.density;
 }
 
 /* Draw a grain, and put it in; of a range at the first free place of many. RP_NO_RESULT: there is none. */

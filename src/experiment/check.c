@@ -97,6 +97,7 @@ static rp_status check_phases(const exp_plan *plan, dem_definition *def, refusal
         for (int c = 0; c < 2; c++) largest(plan, phase, &phase->gravity[c], &arena, &def->gravity[c]);
         memcpy(gravity[p], def->gravity, sizeof def->gravity);
         if (phase->has_laws) dem_physics_apply(&phase->laws.physics, def);
+        if (phase->has_laws) def->pairs = phase->def.pairs;
         for (size_t w = 0; w < def->n_walls && phase->has_laws; w++)
             walls[w].material = dem_walls_of(&phase->def)[w].material;
         double degrees = def->box_turn_per_step * (180.0 / M_PI);

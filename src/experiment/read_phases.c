@@ -171,7 +171,7 @@ static rp_status read_add(const config_setting_t *group, exp_place *place, exp_a
 }
 
 /* Keys of a phase that are read by hand, laws first. */
-#define LAW_KEYS "dt x_min x_max y_min normal tangential rolling"
+#define LAW_KEYS "dt x_min x_max y_min normal tangential rolling kinds pairs"
 const char exp_phase_keys[] = LAW_KEYS " if steps time until fail walls gravity add "
                                        "gravity_turn_deg_per_step box_turn_deg_per_step";
 

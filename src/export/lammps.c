@@ -266,8 +266,9 @@ static void write_law(const lammps_scene *s, size_t i, size_t j, FILE *out)
     else
         fputs(" 0 0", out);
     if (dem_has_rolling(def)) {
-        const dem_slider rolls = dem_rolls_of(def->rolling, def->tangential,
-                                              b && def->rolling_arm == DEM_ARM_RADIUS ? 2.0 : 1.0, m);
+        const dem_slider rolls =
+            dem_rolls_of(def->rolling, def->tangential, b && def->rolling_arm == DEM_ARM_RADIUS ? 2.0 : 1.0,
+                         m->k_roll, m->gamma_roll, m->mu_roll);
         fprintf(out, " rolling sds %s %s %s", RP_SHORT(rolls.k),
                 RP_SHORT(m->gamma_roll > 0.0 ? rolls.gamma * m_eff : 0.0), RP_SHORT(rolls.mu));
     }

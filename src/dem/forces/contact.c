@@ -12,8 +12,7 @@ static dem_relative pair_relative(const dem_sim *sim, size_t k, bool swap)
     const double distance = sqrt(dem_dot(d, d)), roll = sim->pairs.rolling ? sim->pairs.roll[k] : 0.0;
     dem_relative r = {.a = i,
                       .b = j,
-                      .c = &sim->def.material,
-                      .mu = sim->mu,
+                      .c = dem_pair_material(&sim->def, dem_kind_of(sim, i), dem_kind_of(sim, j)),
                       .m_eff = sim->pairs.m_eff[k],
                       /* Gear corrects positions after touch is found: slightly below 0 is possible */
                       .overlap = fmax(sim->pairs.radii[k] - distance, 0.0),
@@ -40,8 +39,7 @@ bool dem_slot_relative(const dem_sim *sim, dem_wall_slot *slot, dem_relative *r)
     *r = (dem_relative){.a = i,
                         .b = DEM_NOBODY,
                         .slot = slot,
-                        .c = &sim->walls.wall[w].material,
-                        .mu = sim->walls.mu[w],
+                        .c = dem_material_at(&sim->def, w, dem_kind_of(sim, i)),
                         .m_eff = g->mass[i],
                         .spring = slot->spring,
                         .roll = slot->roll};
@@ -80,8 +78,9 @@ dem_contact dem_law_forces(const dem_sim *sim, const dem_relative *r, double h)
 {
     const dem_definition *def = &sim->def;
     const double k_n = dem_law_k_n(def->normal, r->c->k_n, r->r_eff);
-    dem_slider shear = dem_slider_of(def->slip, def->damping, r->c->k_s, r->c->gamma_s, r->mu),
-               rolls = dem_rolls_of(def->rolling, def->tangential, dem_arm_of(def, r->c), r->c);
+    dem_slider shear = dem_slider_of(def->slip, def->damping, r->c->k_s, r->c->gamma_s, r->c->mu),
+               rolls = dem_rolls_of(def->rolling, def->tangential, dem_arm_of(def, r->c), r->c->k_roll,
+                                    r->c->gamma_roll, r->c->mu_roll);
     dem_contact c = {.overlap = r->overlap, .shear_spring = r->spring, .rolling_spring = r->roll};
     c.normal_force =
         dem_law_normal(def->normal, def->tension, k_n, r->c->gamma_n, r->m_eff, r->overlap, r->v_n);

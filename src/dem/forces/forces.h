@@ -15,7 +15,7 @@ typedef struct {
     size_t a, b;               /* b is DEM_NOBODY at a wall */
     const dem_wall_slot *slot; /* NULL of a pair */
     const dem_material *c;
-    double mu, m_eff, overlap, v_n, v_s, v_roll, arm_a, arm_b, r_eff, spring, roll;
+    double m_eff, overlap, v_n, v_s, v_roll, arm_a, arm_b, r_eff, spring, roll;
     dem_vec n, s, point, wall_velocity;
 } dem_relative;
 

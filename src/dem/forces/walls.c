@@ -70,8 +70,7 @@ rp_status dem_walls_place(dem_sim *sim, const dem_definition *def)
     for (size_t w = 0; w < def->n_walls; w++) {
         dem_wall *wall = &walls->wall[w];
         dem_wall_line *line = &walls->line[w];
-        wall->material.mu_roll = dem_finite_mu(wall->material.mu_roll);
-        walls->mu[w] = dem_finite_mu(wall->material.mu);
+        dem_finite_limits(&wall->material);
         *line = (dem_wall_line){.point = dem_vec_of(wall->point),
                                 .direction = dem_vec_of(wall->direction),
                                 .moves = dem_wall_moves(wall),
@@ -207,7 +206,7 @@ dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall)
                             .pivot = {pivot[0], pivot[1]},
                             .velocity = {w->velocity[0], w->velocity[1]},
                             .angle = line->angle + w->omega * sim->def.dt * (double)(sim->step - line->since),
-                            .mu = w->material.mu,
+                            .mu = w->material.mu < 1e300 ? w->material.mu : INFINITY,
                             .open = dem_wall_opens(sim, wall)};
 }
 

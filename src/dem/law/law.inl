@@ -90,10 +90,10 @@ static inline double linear_quotient(double k_n, double before, double after, do
  * overlaps. */
 
 /* Lee & Herrmann 1993, eq (2a): c = gamma_n. */
-LAW num constant_rate(num k_n, double gamma_n, num m_eff, num overlap)
+LAW num constant_rate(num k_n, num gamma_n, num m_eff, num overlap)
 {
     (void)k_n, (void)m_eff, (void)overlap;
-    return num_of(gamma_n);
+    return gamma_n;
 }
 
 static inline double constant_mean_rate(double k_n, double gamma_n, double m_eff, double before, double after)
@@ -117,7 +117,7 @@ static inline double hertz_sticking_speed(double k_n, double gamma_n, double m_e
 
 /* Tsuji, Tanaka & Ishida 1992: c m_eff = gamma_n sqrt(m_eff k_n) x^(1/4), with Hertz' spring, gamma_n
  * a number. */
-LAW num tsuji_rate(num k_n, double gamma_n, num m_eff, num overlap)
+LAW num tsuji_rate(num k_n, num gamma_n, num m_eff, num overlap)
 {
     return gamma_n * num_sqrt(k_n / m_eff * num_sqrt(overlap));
 }
@@ -140,18 +140,18 @@ static inline double tsuji_damping_ratio(double k_n, double gamma_n, double m_ef
 
 /* ---- k_n of a contact: the same for all, or of elastic bodies by the effective radius ---- */
 
-LAW num of_all_k_n(double k_n, num r_eff)
+LAW num of_all_k_n(num k_n, num r_eff)
 {
     (void)r_eff;
-    return num_of(k_n);
+    return k_n;
 }
 
-LAW num by_radius_k_n(double k_n, num r_eff)
+LAW num by_radius_k_n(num k_n, num r_eff)
 {
     return k_n * num_sqrt(r_eff);
 }
 
-LAW num dem_law_k_n(dem_normal_law law, double k_n, num r_eff)
+LAW num dem_law_k_n(dem_normal_law law, num k_n, num r_eff)
 {
     switch (law) {
 #define X(id, word, manual, spring, dashpot, scaled, ...)                                                    \
@@ -175,7 +175,7 @@ LAW num dem_law_elastic(dem_normal_law law, num k_n, num overlap)
     __builtin_unreachable();
 }
 
-LAW num dem_law_damping_rate(dem_normal_law law, num k_n, double gamma_n, num m_eff, num overlap)
+LAW num dem_law_damping_rate(dem_normal_law law, num k_n, num gamma_n, num m_eff, num overlap)
 {
     switch (law) {
 #define X(id, word, manual, spring, dashpot, ...)                                                            \
@@ -188,7 +188,7 @@ LAW num dem_law_damping_rate(dem_normal_law law, num k_n, double gamma_n, num m_
 
 /* v_n is the normal relative velocity, positive when the grains part. Where they part fast the damping
  * outweighs the spring and the force pulls; `tension` false cuts it at 0. */
-LAW num dem_law_normal(dem_normal_law law, bool tension, num k_n, double gamma_n, num m_eff, num overlap,
+LAW num dem_law_normal(dem_normal_law law, bool tension, num k_n, num gamma_n, num m_eff, num overlap,
                        num v_n)
 {
     const num zero = {0};
@@ -207,9 +207,9 @@ typedef struct {
     dem_damping damping;
 } dem_slider;
 
-LAW dem_slider dem_slider_of(dem_slip slip, dem_damping damping, double k, double gamma, double mu)
+LAW dem_slider dem_slider_of(dem_slip slip, dem_damping damping, num k, num gamma, num mu)
 {
-    return (dem_slider){num_of(k), num_of(1.0 / k), num_of(gamma), num_of(mu), slip, damping};
+    return (dem_slider){k, 1.0 / k, gamma, mu, slip, damping};
 }
 
 /* Of a law whose coefficients are of the contact's radius, as Mindlin's, the spring at this overlap:
@@ -297,12 +297,12 @@ LAW num dem_law_tangential(dem_tangential_law law, dem_slider c, num m_eff, num 
  * mu_roll F_n v. The torque of R_eff times it on i, and its opposite on j, conserve angular momentum. An arm
  * of `arm` R_eff is R_eff with that times the limit, and its square times what multiplies xi and v: of a
  * dashpot by the critical rate the root of the stiffness has one of the two. */
-LAW dem_slider dem_rolls_of(dem_rolling model, dem_tangential_law law, double arm, const dem_material *c)
+LAW dem_slider dem_rolls_of(dem_rolling model, dem_tangential_law law, double arm, num k, num gamma, num mu)
 {
     const double square = arm * arm;
-    return dem_slider_of(DEM_TRUNCATED, DEM_DAMPING_INSIDE, square * c->k_roll,
-                         (dem_is_of_radius(law) ? arm : square) * c->gamma_roll,
-                         (dem_rolls_by_speed(model) ? square : arm) * c->mu_roll);
+    return dem_slider_of(DEM_TRUNCATED, DEM_DAMPING_INSIDE, square * k,
+                         (dem_is_of_radius(law) ? arm : square) * gamma,
+                         (dem_rolls_by_speed(model) ? square : arm) * mu);
 }
 
 LAW num spring_rolls(dem_slider c, num m_eff, num v, num normal_force, double h, num *xi)
@@ -341,7 +341,7 @@ typedef struct {
     dem_tangential_law tangential;
     dem_rolling rolling;
     bool tension;
-    double k_n, gamma_n;
+    num k_n, gamma_n;
     dem_slider shear, rolls;
 } dem_laws;
 

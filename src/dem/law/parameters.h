@@ -128,6 +128,12 @@
 #define DEM_IF_SCENE_MATERIAL(...)
 #define DEM_IF_SCENE_GRAIN(...)
 
+/* Stiffnesses are the coefficients k_..., which bodies in contact have in series. */
+static inline bool dem_is_stiffness(const char *name)
+{
+    return name[0] == 'k' && name[1] == '_';
+}
+
 #define DEM_MATERIAL_MEMBER(kind, type, name, ...) DEM_IF_MATERIAL(kind, double name;)
 
 /* Rows of a schema whose values are in member `at` of a structure T. In a scene file they have their keys,

@@ -206,6 +206,7 @@ static void complete_pairs(dem_sim *sim, size_t k, size_t end)
         pairs->radii[k] = radii;
         pairs->m_eff[k] = dem_is_fixed(sim, i) ? m_j : dem_is_fixed(sim, j) ? m_i : m_i * m_j / (m_i + m_j);
         pairs->r_eff[k] = g->radius[i] * g->radius[j] / radii;
+        if (pairs->kinds) pairs->entry[k] = (uint32_t)(g->kind[j] * sim->def.n_kinds + g->kind[i]);
         if (pairs->rotation) pairs->radius_i[k] = g->radius[i], pairs->radius_j[k] = g->radius[j];
 #define X(type, name, need, share, role)                                                                     \
     if (role != DEM_MADE && pairs->name) pairs->name[k] = 0;

@@ -25,6 +25,8 @@
 typedef struct {
     dem_laws law;
     bool rotation, rolling, excess;
+    const dem_material *kinds; /* coefficients by the pairs' entries; NULL: all pairs have those of the law */
+    double arm;
 } features;
 
 /* What it works on: copies, which no store into an array can change; the time since the last forces; the
@@ -48,18 +50,31 @@ typedef struct {
     num fx, fy, on_i, on_j;
 } forces;
 
-INLINE dem_laws laws_of(const dem_sim *sim, const dem_material *c, double mu)
+/* A coefficient of one material for all, or of the material that each contact has. */
+INLINE num coefficient(const double *of, const uint32_t *entry)
+{
+    return entry ? num_gather(of, entry, sizeof(dem_material) / sizeof *of) : num_of(*of);
+}
+
+INLINE dem_laws with_coefficients(dem_laws law, const dem_material *c, const uint32_t *entry, double arm)
+{
+    law.k_n = coefficient(&c->k_n, entry), law.gamma_n = coefficient(&c->gamma_n, entry);
+    law.shear = dem_slider_of(law.shear.slip, law.shear.damping, coefficient(&c->k_s, entry),
+                              coefficient(&c->gamma_s, entry), coefficient(&c->mu, entry));
+    law.rolls = dem_rolls_of(law.rolling, law.tangential, arm, coefficient(&c->k_roll, entry),
+                             coefficient(&c->gamma_roll, entry), coefficient(&c->mu_roll, entry));
+    return law;
+}
+
+INLINE dem_laws laws_of(const dem_sim *sim, const dem_material *c)
 {
     const dem_definition *def = &sim->def;
-    dem_laws laws = {.normal = def->normal,
-                     .tangential = def->tangential,
-                     .rolling = def->rolling,
-                     .tension = def->tension,
-                     .k_n = c->k_n,
-                     .gamma_n = c->gamma_n,
-                     .shear = dem_slider_of(def->slip, def->damping, c->k_s, c->gamma_s, mu)};
-    if (sim->pairs.rolling) laws.rolls = dem_rolls_of(def->rolling, def->tangential, dem_arm_of(def, c), c);
-    return laws;
+    const dem_laws law = {.normal = def->normal,
+                          .tangential = def->tangential,
+                          .rolling = def->rolling,
+                          .tension = def->tension,
+                          .shear = {.slip = def->slip, .damping = def->damping}};
+    return with_coefficients(law, c, NULL, dem_arm_of(def, c));
 }
 
 INLINE num normal_force(const dem_laws *law, num r_eff, num m_eff, num overlap, num v_n)
@@ -88,7 +103,12 @@ INLINE forces forces_of(const work *w, size_t k, const geometry *g)
 {
     const dem_grains *grains = &w->grains;
     const dem_pairs *pairs = &w->pairs;
+    dem_laws own;
     const dem_laws *law = &w->with.law;
+    if (w->with.kinds) {
+        own = with_coefficients(*law, w->with.kinds, pairs->entry + k, w->with.arm);
+        law = &own;
+    }
     const bool has_spring = dem_has_spring(law->tangential);
     const num zero = {0}, m_eff = num_load(pairs->m_eff + k), r_eff = num_load(pairs->r_eff + k),
               v_n = g->vx * g->nx + g->vy * g->ny, f_n = normal_force(law, r_eff, m_eff, g->overlap, v_n);
@@ -229,17 +249,19 @@ INLINE dem_laws spring_laws(dem_laws law, dem_tangential_law tangential, bool te
     return law;
 }
 
-INLINE void run_of_motion(dem_sim *sim, size_t from, size_t to, double h, dem_laws law)
+INLINE void run_of_motion(dem_sim *sim, size_t from, size_t to, double h, dem_laws law,
+                          const dem_material *kinds)
 {
+    const double arm = dem_arm_of(&sim->def, kinds);
     if (!sim->def.rotation)
-        pair_loop(sim, from, to, h, (features){law, false, false, false});
+        pair_loop(sim, from, to, h, (features){law, false, false, false, kinds, arm});
     else if (!sim->pairs.rolling)
-        pair_loop(sim, from, to, h, (features){law, true, false, false});
+        pair_loop(sim, from, to, h, (features){law, true, false, false, kinds, arm});
     else if (law.rolling == DEM_COMMON_ROLLING) {
         law.rolling = DEM_COMMON_ROLLING; /* known to the compiler */
-        pair_loop(sim, from, to, h, (features){law, true, true, false});
+        pair_loop(sim, from, to, h, (features){law, true, true, false, kinds, arm});
     } else
-        pair_loop(sim, from, to, h, (features){law, true, true, false});
+        pair_loop(sim, from, to, h, (features){law, true, true, false, kinds, arm});
 }
 
 /* The compiler knows the choices of the laws that most scenes make. */
@@ -248,21 +270,22 @@ INLINE void run_of_law(dem_sim *sim, size_t from, size_t to, double h, dem_laws 
 #define X(along, pulls, normals, damps)                                                                      \
     if (law.tangential == along && law.shear.slip == DEM_TRUNCATED && law.tension == (pulls) && (normals) && \
         law.shear.damping == damps)                                                                          \
-        run_of_motion(sim, from, to, h, spring_laws(law, along, pulls, damps));                              \
+        run_of_motion(sim, from, to, h, spring_laws(law, along, pulls, damps), NULL);                        \
     else
     DEM_COMMON_LAWS(X)
 #undef X
-    run_of_motion(sim, from, to, h, law);
+    run_of_motion(sim, from, to, h, law, NULL);
 }
 
 static void pairs(dem_sim *sim, size_t from, size_t to, double h)
 {
-    dem_laws law = laws_of(sim, &sim->def.material, sim->mu);
+    const dem_material *const kinds = sim->def.pairs;
+    dem_laws law = laws_of(sim, dem_pair_material(&sim->def, 0, 0));
     switch (law.normal) {
 #define X(id, ...)                                                                                           \
     case id:                                                                                                 \
         law.normal = id;                                                                                     \
-        run_of_law(sim, from, to, h, law);                                                                   \
+        kinds ? run_of_motion(sim, from, to, h, law, kinds) : run_of_law(sim, from, to, h, law);             \
         break;
         DEM_NORMAL_LAWS(X)
 #undef X
@@ -352,18 +375,23 @@ static void line(dem_sim *sim, size_t k, size_t end, double h)
 {
     const dem_wall_slot *slot = sim->walls.slot;
     const uint32_t w = slot[k].wall;
-    const dem_laws law = laws_of(sim, &sim->walls.wall[w].material, sim->walls.mu[w]);
+    const dem_material *const kinds = sim->def.pairs;
+    const uint32_t n_kinds = (uint32_t)sim->def.n_kinds;
+    dem_laws law = laws_of(sim, dem_material_at(&sim->def, w, 0));
     dem_vec wall = sim->walls.force[w];
     for (; k < end; k += WIDTH) {
         static const uint32_t all[8] = {0, 1, 2, 3, 4, 5, 6, 7};
         const size_t n = end - k < WIDTH ? end - k : WIDTH;
-        uint32_t some[WIDTH], i[WIDTH];
+        uint32_t some[WIDTH], i[WIDTH], entry[WIDTH];
         const uint32_t *at = all;
         if (n < WIDTH) {
             for (size_t p = 0; p < WIDTH; p++) some[p] = (uint32_t)(p < n ? p : n - 1);
             at = some;
         }
         for (size_t p = 0; p < WIDTH; p++) i[p] = slot[k + at[p]].grain;
+        for (size_t p = 0; p < WIDTH && kinds; p++)
+            entry[p] = (n_kinds + w) * n_kinds + sim->grains.kind[i[p]];
+        if (kinds) law = with_coefficients(law, kinds, entry, 1.0);
         const slot_forces b = slot_forces_of(sim, &law, slot + k, at, i, h);
         take_slot_forces(sim, k, n, i, &b, &wall);
         sim->too_deep |= b.deep != 0;

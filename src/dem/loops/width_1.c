@@ -11,10 +11,12 @@ const dem_loops dem_loops_1 = LOOPS("baseline", false, pairs, line, next_approac
 /* Displacements in excess of v dt count. */
 static void any_pairs(dem_sim *sim, size_t from, size_t to, double h)
 {
-    const dem_laws law = laws_of(sim, &sim->def.material, sim->mu);
+    const dem_material *const kinds = sim->def.pairs;
+    const dem_laws law = laws_of(sim, dem_pair_material(&sim->def, 0, 0));
     pair_loop(sim, from, to, h,
               (features){law, sim->def.rotation, sim->pairs.rolling,
-                         sim->grains.excess && dem_has_spring(law.tangential)});
+                         sim->grains.excess && dem_has_spring(law.tangential), kinds,
+                         dem_arm_of(&sim->def, kinds)});
 }
 
 /* Pairs that touch are looked at too. */

@@ -89,7 +89,7 @@ static dem_parts split_force(const dem_sim *sim, const dem_relative *r)
     const dem_definition *def = &sim->def;
     const dem_material *c = r->c;
     const dem_contact law = dem_law_forces(sim, r, 0.0);
-    const double f_n = law.normal_force, f_s = law.shear_force, cap = r->mu * fmax(f_n, 0.0);
+    const double f_n = law.normal_force, f_s = law.shear_force, cap = c->mu * fmax(f_n, 0.0);
     dem_parts p = {
         .n = r->n, .s = r->s, .elastic = dem_law_elastic(def->normal, dem_k_n_of(sim, r), r->overlap)};
     p.damping = f_n - p.elastic;

@@ -120,7 +120,7 @@ size_t dem_over_friction(const dem_sim *sim, size_t *over)
     for (size_t k = 0; k < dem_contact_numbers(sim); k++) {
         if (!dem_contact_relative(sim, k, false, &r)) continue;
         const dem_contact c = dem_law_forces(sim, &r, 0.0);
-        *over += fabs(c.shear_force) > (1.0 + ROUND_OFF) * r.mu * fmax(c.normal_force, 0.0);
+        *over += fabs(c.shear_force) > (1.0 + ROUND_OFF) * r.c->mu * fmax(c.normal_force, 0.0);
         n++;
     }
     return n;
@@ -141,7 +141,7 @@ dem_elastic dem_contact_elastic(const dem_sim *sim, size_t k)
         energy.well = 0.5 * sim->def.ground.mu_static * normal / sim->def.ground.a * ds * ds;
     if (dem_has_spring(sim->def.tangential)) {
         double pull = contact.k_s * ds;
-        if (sim->def.slip == DEM_TOTAL) pull = fmin(pull, r.mu * normal);
+        if (sim->def.slip == DEM_TOTAL) pull = fmin(pull, r.c->mu * normal);
         if (pull > 0.0) energy.shear = pull * ds - 0.5 * pull * pull / contact.k_s; /* k_s may be 0 */
     }
     return energy;

@@ -107,7 +107,7 @@ static double end_quotient(dem_normal_law normal, double k_n, double before, dou
  * or NULL. */
 typedef struct {
     const dem_material *c;
-    double mu, k_n, m_eff, before, after, normal;
+    double k_n, m_eff, before, after, normal;
     dem_parts *parts;
 } touch;
 
@@ -142,7 +142,8 @@ static inline void add_slip(const dem_sim *sim, const touch *l, dem_vec s, doubl
     if (!dem_has_friction(sim->def.tangential)) return;
     const bool lasts = l->before > 0.0 && l->after > 0.0;
     const double part = lasts ? 1.0 : fmax(l->before, l->after) / fabs(l->after - l->before);
-    const double viscous = part * l->c->gamma_s * l->m_eff / sim->def.dt, cap = l->mu * fmax(l->normal, 0.0);
+    const double viscous = part * l->c->gamma_s * l->m_eff / sim->def.dt,
+                 cap = l->c->mu * fmax(l->normal, 0.0);
     const bool slides = fabs(viscous * slip) > cap;
     const double force = slides ? -copysign(cap, slip) : -viscous * slip;
     add_along(to, s, force, slides ? 0.0 : viscous);
@@ -168,7 +169,7 @@ static inline contact contact_of(const dem_sim *sim, size_t k, dem_parts *p)
 {
     const dem_ends ends = dem_contact_ends(sim, k);
     double r_eff;
-    touch l = {.c = &sim->def.material, .mu = sim->mu, .parts = p};
+    touch l = {.parts = p};
     dem_vec u = sim->grains.displacement[ends.i], along;
     double both = 1.0, length = 1.0; /* of a pair: sum of its distances, |along| */
     contact f = {0};
@@ -179,7 +180,7 @@ static inline contact contact_of(const dem_sim *sim, size_t k, dem_parts *p)
         along = at_wall.normal;
         l.before = at_wall.overlap;
         l.after = l.before - dem_dot(u, along);
-        l.c = &sim->walls.wall[slot.wall].material, l.mu = sim->walls.mu[slot.wall];
+        l.c = dem_material_at(&sim->def, slot.wall, dem_kind_of(sim, ends.i));
         l.m_eff = sim->grains.mass[ends.i], r_eff = sim->grains.radius[ends.i];
     } else {
         const dem_vec from = sim->grains.motion[ends.i].x - sim->grains.motion[ends.j].x;
@@ -191,6 +192,7 @@ static inline contact contact_of(const dem_sim *sim, size_t k, dem_parts *p)
         l.before = sim->pairs.radii[k] - r;
         /* the change of the distance keeps the overlap's last digits */
         l.after = l.before - dem_dot(u, along) / both;
+        l.c = dem_pair_material(&sim->def, dem_kind_of(sim, ends.i), dem_kind_of(sim, ends.j));
         l.m_eff = sim->pairs.m_eff[k], r_eff = sim->pairs.r_eff[k];
     }
     if (l.before <= 0.0 && l.after <= 0.0) return f;

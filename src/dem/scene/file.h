@@ -20,7 +20,22 @@ typedef struct {
 
 /* The groups of dem_scene_schemas, and schemas of some keys of them: a wall's coefficients as given, in a
  * dem_material; what tells the radii of a dem_fill. */
-enum { TOP, NORMAL, TANGENTIAL, ROLLING, MATERIAL, WALLS, GROUND, HARD, IMPLICIT, OUTPUT, PARTICLES, FILL };
+enum {
+    TOP,
+    NORMAL,
+    TANGENTIAL,
+    ROLLING,
+    MATERIAL,
+    WALLS,
+    GROUND,
+    HARD,
+    IMPLICIT,
+    OUTPUT,
+    PARTICLES,
+    KINDS,
+    PAIRS,
+    FILL
+};
 extern const char dem_scene_others[],
     dem_wall_others[]; /* keys of the file, of a wall, beside the schema's */
 #define SCHEMA(group) dem_scene_schemas[group].schema
@@ -55,10 +70,26 @@ rp_status dem_read_points(rp_arena *arena, const config_setting_t *list, size_t 
 /* The groups of the contacts' parameters that stand in a text, over those that are there. */
 rp_status dem_read_physics(const config_setting_t *root, dem_scene *scene);
 
-/* The number of a kind by its name, "" for none; a new one comes to the scene's. The kinds of a text that no
- * grain of its start has. */
+/* The number of a kind by its name, "" for none; a new one comes to the scene's. Those of the grains that
+ * phases add. */
 rp_status dem_number_kind(dem_scene *scene, const char *name, uint32_t *number);
-rp_status dem_read_kinds(const config_setting_t *root, dem_scene *scene);
+rp_status dem_number_added(const config_setting_t *phases, dem_scene *scene);
+
+/* What a group says of kinds and of pairs, over what holds; `known`: these kinds alone. */
+rp_status dem_read_kinds(const config_setting_t *group, bool known, dem_scene *scene, dem_scene_laws *laws);
+
+/* The coefficients of a wall for grains of a kind, 0 for the scene's, as it and the kind are given. */
+dem_material dem_material_of_wall(const dem_scene *scene, const dem_scene_laws *laws, size_t kind,
+                                  size_t wall, const dem_material *given);
+
+/* The pairs of a definition, as kinds, pairs and the walls are given; NULL where no kind has coefficients of
+ * its own. Errors: RP_BAD_INPUT. */
+rp_status dem_mix_kinds(dem_scene *scene, const dem_scene_laws *laws, const dem_material *given,
+                        dem_definition *def);
+
+/* The density of grains of a kind; that which the kind in a group of the file says, else 0. */
+double dem_density_of(const dem_scene *scene, size_t kind);
+rp_status dem_peek_density(const config_setting_t *group, double *density);
 
 rp_status dem_read_walls(const config_setting_t *root, dem_scene *scene);
 rp_status dem_read_fills(const config_setting_t *fill, dem_scene *scene);

@@ -40,6 +40,9 @@ static const rp_param top_schema[] = {
      "instead of `particles`"},
     {"particles_step", "", RP_INT, AT(dem_scene, particles_step), "last", "[0, 2147483647] | last",
      "step of the table or dump, which may have several"},
+    {"pairs_rule", "", RP_CHOICE, AT(dem_scene, laws.pairs_rule), "equal", DEM_WORDS(DEM_PAIR_RULES),
+     "what two kinds, or a kind and a wall, have together where `pairs` does not say it",
+     .manual = DEM_MANUALS(DEM_PAIR_RULES)},
     {"compressed", "", RP_BOOL, AT(dem_scene, compressed), "false", "",
      "whether listed grains may overlap by more than a tenth of the radius, as a packing under pressure"},
     {"contacts_file", "", RP_TEXT, AT(dem_scene, contacts_file), "", "",
@@ -86,15 +89,19 @@ static const rp_param implicit_schema[] = {
      "factorisations or sweeps, after which a step counts as not solved"},
     {0}};
 
-/* "auto" of a wall's coefficient, in member `at` of a structure T. */
-#define WALL_AUTO(...) WALL_AUTO_OF(__VA_ARGS__)
-#define WALL_AUTO_OF(T, at, kind, type, name, key, unit, fallback, range, also, automatic, wall, ...)        \
-    DEM_IF_MATERIAL(kind,                                                                                    \
-                    {#name, unit, type, AT(T, at name), "auto", range " | auto",                             \
-                     "of this wall; auto: the grains', times " #wall                                         \
-                     "; where that is auto too, by the wall's own"}, )
-#define OF_MATERIAL(...) WALL_AUTO(dem_material, , __VA_ARGS__)
-#define OF_ENTRY(...)    WALL_AUTO(dem_wall_entry, line.material., __VA_ARGS__)
+/* A coefficient of a wall, a kind or two kinds, which may be "auto", in member `at` of a structure T. */
+#define MAY_BE_AUTO(...) MAY_BE_AUTO_OF(__VA_ARGS__)
+#define MAY_BE_AUTO_OF(T, at, says, kind, type, name, key, unit, fallback, range, also, automatic, wall,     \
+                       ...)                                                                                  \
+    DEM_IF_MATERIAL(kind, {#name, unit, type, AT(T, at name), "auto", range " | auto", says(wall)}, )
+#define WALL_SAYS(wall)                                                                                      \
+    "of this wall; auto: the grains', times " #wall "; where that is auto too, by the wall's own"
+#define KIND_SAYS(wall)  "of grains of this kind; auto: the scene's"
+#define PAIR_SAYS(wall)  "of contacts of the two; auto: by their own"
+#define OF_MATERIAL(...) MAY_BE_AUTO(dem_material, , WALL_SAYS, __VA_ARGS__)
+#define OF_ENTRY(...)    MAY_BE_AUTO(dem_wall_entry, line.material., WALL_SAYS, __VA_ARGS__)
+#define OF_KIND(...)     MAY_BE_AUTO(dem_kind_said, material., KIND_SAYS, __VA_ARGS__)
+#define OF_PAIR(...)     MAY_BE_AUTO(dem_pair_said, material., PAIR_SAYS, __VA_ARGS__)
 
 const rp_param dem_coefficient_schema[] = {DEM_PHYSICS(OF_MATERIAL){0}};
 static const rp_param wall_schema[] = {
@@ -115,6 +122,16 @@ static const rp_param wall_schema[] = {
     {"omega", "rad/s", RP_REAL, AT(dem_wall_entry, line.omega), "0.0", "(-inf, inf)",
      "rate at which the wall turns about `pivot`, counter-clockwise"},
     {0}};
+
+static const rp_param kind_schema[] = {
+    DEM_PHYSICS(OF_KIND){"density", "g/cm^3", RP_REAL, AT(dem_kind_said, density), "auto", "(0, inf) | auto",
+                         "of grains of this kind; auto: the scene's"},
+    {"E", "dyn/cm^2", RP_REAL, AT(dem_kind_said, E), "auto", "(0, inf) | auto",
+     "Young's modulus; auto: the scene's in `material`"},
+    {"nu", "", RP_REAL, AT(dem_kind_said, nu), "auto", "[0, 0.5] | auto",
+     "Poisson's ratio; auto: the scene's"},
+    {0}};
+static const rp_param pair_schema[] = {DEM_PHYSICS(OF_PAIR){0}};
 
 static const rp_param particle_schema[] = {
     {"x", "cm", RP_REAL, AT(dem_grain, x), NULL, "(-inf, inf)", "centre"},
@@ -163,14 +180,15 @@ static const rp_param fill_schema[] = {
     {"density", "g/cm^3", RP_REAL, AT(dem_fill, density), "auto", "(0, inf) | auto",
      "of these grains; auto: the scene's"},
     {"fixed", "", RP_BOOL, AT(dem_fill, fixed), "false", "", "whether they never move"},
-    {"kind", "", RP_TEXT, AT(dem_fill, kind), "", "", "a name for them, for measures"},
+    {"kind", "", RP_TEXT, AT(dem_fill, kind), "", "",
+     "a name for them, for measures and the coefficients of `kinds`"},
     {"spacing", "cm", RP_REAL, AT(dem_fill, spacing), "auto", "(0, inf) | auto",
      "of a row or lattice, from centre to centre; auto: so that grains touch"},
     {0}};
 
-const char dem_scene_others[] =
-    "let material gravity normal tangential rolling walls particles fill ground hard implicit phases "
-    "measure regions rest result seed run output require";
+const char dem_scene_others[] = "let material gravity normal tangential rolling walls kinds pairs particles "
+                                "fill ground hard implicit phases "
+                                "measure regions rest result seed run output require";
 
 /* corner_lower and corner_upper joined walls before all walls that meet were joined */
 const char dem_wall_others[] =
@@ -202,7 +220,15 @@ const dem_scene_group dem_scene_schemas[] = {
      "moment of touch (Liffman, Chan & Hughes 1992, eqs (1) to (22)); slow contacts are soft"},
     {"implicit", implicit_schema, "solver of the integrator implicit"},
     {"output", output_schema, "frames of the tables of `repose run -o`; its --every sets all"},
-    {"particles", particle_schema, "grains, each with its place"},
+    {"particles", particle_schema, "grains, each with its place; kind = \"NAME\", as of a fill"},
+    {"kinds", kind_schema,
+     "coefficients of grains by their kind, kinds = { NAME = { ... }; }; also material = { E; nu; "
+     "restitution; "
+     "mu; }, as the scene's"},
+    {"pairs", pair_schema,
+     "coefficients of contacts of two kinds, or of a kind and a wall, pairs = ( { of = (\"NAME\", \"NAME\"); "
+     "... "
+     "} )"},
     {"fill", fill_schema,
      "grains of random radius, at random places without overlap or in rows; a group, or a list ( { ... } ) "
      "of several, each of which if = \"CONDITION\" may leave out; radii = ( [r, share], ... ) of a table; "

@@ -41,6 +41,7 @@ static rp_status mean_grain(const dem_text *text, const char *keys, dem_scene *s
             *r += scene->grains[i].r / (double)scene->def.n_grains;
     } else if (!fill && !list && add && member(add, "r")) {
         RP_TRY(rp_config_peek(add, SCHEMA(PARTICLES), "r", &grain));
+        RP_TRY(dem_peek_density(add, &radii.density));
         if (rp_config_peek(add, SCHEMA(FILL), "density", &radii)) radii.density = 0.0; /* the run's */
         *r = grain.r;
     } else if (fill || (!list && add)) {
@@ -66,8 +67,10 @@ static rp_status mean_mass(const config_setting_t *list, const dem_scene *scene,
     for (size_t i = 0; i < n; i++) {
         dem_grain grain = list ? (dem_grain){0} : scene->grains[i];
         if (list) RP_TRY(rp_config_peek(element(list, i), SCHEMA(PARTICLES), "r m", &grain));
-        given |= grain.m > 0.0;
-        sum += grain.m > 0.0 ? grain.m : dem_mass(all->shape, all->density, grain.r);
+        double density = all->density;
+        if (list) RP_TRY(dem_peek_density(element(list, i), &density));
+        given |= grain.m > 0.0 || density != all->density;
+        sum += grain.m > 0.0 ? grain.m : dem_mass(all->shape, density, grain.r);
     }
     if (given) *m = sum / (double)n;
     return RP_OK;
@@ -101,11 +104,27 @@ static void limit_of(dem_scene *scene, double v, dem_grain grain, double density
 {
     dem_definition *def = &scene->def;
     const double r = grain.r, m = grain.m > 0.0 ? grain.m : dem_mass(scene->laws.physics.shape, density, r);
-    const dem_grain two[2] = {{.r = r, .m = m, .vx = 0.5 * v}, {.x = 3.0 * r, .r = r, .m = m}};
+    const dem_grain two[2] = {{.r = r, .m = m, .vx = 0.5 * v, .kind = grain.kind},
+                              {.x = 3.0 * r, .r = r, .m = m, .kind = grain.kind}};
     def->grains = two, def->n_grains = 2;
     def->mass_to_come = r_mean > 0.0 ? dem_mass(scene->laws.physics.shape, density, r_mean) : m;
     def->gravity[0] = def->gravity[1] = 0.0;
     *least = fmin(*least, dem_time_step_limit(def, NULL));
+}
+
+/* Kinds that the text names, and the walls. */
+static rp_status read_kinds(const config_setting_t *root, dem_scene *scene)
+{
+    const config_setting_t *list = member(root, "particles"), *fill = root;
+    uint32_t kind;
+    RP_TRY(dem_read_kinds(root, false, scene, &scene->laws));
+    RP_TRY(dem_read_walls(root, scene));
+    for (size_t next = 0; fill;) {
+        RP_TRY(dem_next_fill(root, &next, &fill));
+        if (fill) RP_TRY(dem_read_kind(fill, scene, &kind));
+    }
+    for (size_t i = 0; i < length(list); i++) RP_TRY(dem_read_kind(element(list, i), scene, &kind));
+    return dem_number_added(member(root, "phases"), scene);
 }
 
 /* The same of all fills and particles, the smallest of each. */
@@ -117,16 +136,22 @@ static rp_status limit_of_all(const dem_text *text, dem_scene *scene, double v, 
     size_t next = 0;
     for (;;) {
         dem_fill radii;
+        dem_grain grain = {0};
         RP_TRY(dem_next_fill(root, &next, &fill));
         if (!fill) break;
         RP_TRY(dem_peek_radii(&scene->arena, fill, &radii));
-        limit_of(scene, v, (dem_grain){.r = dem_radius_least(&radii)},
-                 radii.density > 0.0 ? radii.density : density, dem_radius_mean(&radii), least);
+        RP_TRY(dem_read_kind(fill, scene, &grain.kind));
+        grain.r = dem_radius_least(&radii);
+        limit_of(scene, v, grain, radii.density > 0.0 ? radii.density : density, dem_radius_mean(&radii),
+                 least);
     }
     for (size_t i = 0; i < length(list); i++) {
         dem_grain grain = {0};
+        double own = density;
         RP_TRY(rp_config_peek(element(list, i), SCHEMA(PARTICLES), "r m", &grain));
-        limit_of(scene, v, grain, density, 0.0, least);
+        RP_TRY(dem_read_kind(element(list, i), scene, &grain.kind));
+        RP_TRY(dem_peek_density(element(list, i), &own));
+        limit_of(scene, v, grain, own, 0.0, least);
     }
     for (size_t i = 0; i < n_read; i++) limit_of(scene, v, scene->grains[i], density, 0.0, least);
     return RP_OK;
@@ -149,7 +174,7 @@ rp_status dem_call(void *host, const char *name, int n, const double args[], dou
     for (int k = NORMAL; k <= ROLLING; k++)
         rp_params_defaults(SCHEMA(k), scene.def.units, &scene.laws.physics);
     RP_TRY(dem_read_physics(root, &scene));
-    RP_TRY(dem_read_walls(root, &scene));
+    RP_TRY(read_kinds(root, &scene));
     RP_TRY(dem_read_group(root, GROUND, &scene.def.ground, &there));
     RP_TRY(dem_read_group(root, HARD, &scene.def.hard, &scene.def.hard.on));
     for (size_t w = 0; w < scene.def.n_walls; w++) {
@@ -158,6 +183,7 @@ rp_status dem_call(void *host, const char *name, int n, const double args[], dou
     }
     density = scene.laws.physics.density;
     RP_TRY(mean_grain(text, "", &scene, &r));
+    RP_TRY(dem_mix_kinds(&scene, &scene.laws, scene.given, &scene.def));
     if (n == 2) r = args[1];
     if (!(r > 0.0)) return rp_fail(RP_BAD_INPUT, "dt_limit: no grains are known here");
     *known = true;

@@ -44,7 +44,7 @@ void dem_ends_apply(const dem_scene_laws *laws, dem_definition *def)
     def->y_min = dem_lower_end(laws->y_min);
 }
 
-rp_status dem_laws_apply(const dem_scene_laws *laws, const dem_material *given, const dem_scene *scene,
+rp_status dem_laws_apply(const dem_scene_laws *laws, const dem_material *given, dem_scene *scene,
                          dem_definition *def, dem_wall *walls)
 {
     *def = scene->def;
@@ -52,20 +52,20 @@ rp_status dem_laws_apply(const dem_scene_laws *laws, const dem_material *given, 
     dem_ends_apply(laws, def);
     memcpy(walls, dem_walls_of(&scene->def), scene->def.n_walls * sizeof *walls);
     for (size_t w = 0; w < scene->def.n_walls; w++) {
-        walls[w].material = dem_wall_material(def->units, &given[w], &laws->physics);
+        walls[w].material = dem_material_of_wall(scene, laws, 0, w, &given[w]);
         RP_TRY(rp_prefix(dem_material_check(def, &walls[w].material), "wall %zu: ", w + 1));
     }
     def->wall_list = walls;
-    return RP_OK;
+    return dem_mix_kinds(scene, laws, given, def);
 }
 
-rp_status dem_text_laws(const config_setting_t *group, const dem_scene *scene, dem_scene_laws *laws)
+rp_status dem_text_laws(const config_setting_t *group, dem_scene *scene, dem_scene_laws *laws)
 {
     dem_scene changed = {.def = scene->def, .laws = *laws, .E = scene->E};
     RP_TRY(rp_config_peek(group, SCHEMA(TOP), "dt x_min x_max y_min", &changed));
     RP_TRY(dem_read_physics(group, &changed));
     *laws = changed.laws;
-    return RP_OK;
+    return dem_read_kinds(group, true, scene, laws);
 }
 
 rp_status dem_text_coefficients(const config_setting_t *group, const char *others, bool *some,

@@ -1,6 +1,7 @@
 /* Tables of a simulation's state, and notes on a scene's numbers in their headers; see scene.h. A column is a
  * row X(name, value) of a list, of which the header and the rows are made. */
 #include <stdlib.h>
+#include <string.h>
 
 #include "table/table.h"
 #include "dem/scene/scene.h"
@@ -107,6 +108,30 @@ rp_status dem_write_rows(dem_table table, const dem_sim *sim, long step, FILE *o
 
 /* ---- notes ---- */
 
+/* The coefficients of kinds, in pairs and at walls; walls that are alike in a row, as sides of a polygon,
+ * once.
+ */
+static void write_pairs(const dem_sim *sim, FILE *out)
+{
+    const dem_definition *def = &sim->def;
+    const size_t n = def->n_kinds;
+    for (size_t k = 0; k < n * (n + def->n_walls); k++) {
+        const size_t a = k % n, b = k / n;
+        const dem_material *m = &def->pairs[k];
+        char text[256] = "";
+        if (b < n ? b > a : b > n && memcmp(m - a, m - a - n, n * sizeof *m) == 0) continue;
+#define COEFFICIENT(kind, type, name, ...)                                                                   \
+    DEM_IF_MATERIAL(kind, if (m->name >= 0.0) snprintf(text + strlen(text), sizeof text - strlen(text),      \
+                                                       ", " #name " = %.6g", m->name);)
+        DEM_PHYSICS(COEFFICIENT)
+        if (b < n)
+            rp_table_note(out, "contacts", "kinds \"%s\" and \"%s\"%s", def->kinds[b].name,
+                          def->kinds[a].name, text);
+        else
+            rp_table_note(out, "contacts", "kind \"%s\" at wall %zu%s", def->kinds[a].name, b - n + 1, text);
+    }
+}
+
 void dem_write_notes(const dem_sim *sim, FILE *out)
 {
     const rp_units units = sim->def.units;
@@ -119,7 +144,8 @@ void dem_write_notes(const dem_sim *sim, FILE *out)
     rp_table_note(out, "time step", "dt = %.4g %s; limit %s %s, set by %s", sim->def.dt, rp_unit(units, "s"),
                   rp_text_below(sim->start.dt_limit, (char[32]){0}), rp_unit(units, "s"),
                   sim->start.dt_limit_of);
-    if (!(c->k_n > 0.0)) return;
+    if (sim->def.pairs) write_pairs(sim, out);
+    if (sim->def.pairs || !(c->k_n > 0.0)) return;
     if (law->sticking_speed && sim->def.tension)
         rp_table_note(out, "sticking speed", "%.3g %s: slower impacts of two mean grains do not part",
                       law->sticking_speed(k_n, c->gamma_n, m_eff), rp_unit(units, "cm/s"));

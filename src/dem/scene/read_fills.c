@@ -38,6 +38,7 @@ rp_status dem_peek_radii(rp_arena *arena, const config_setting_t *group, dem_fil
     rp_params_defaults(SCHEMA(FILL), rp_config_units(group), fill);
     RP_TRY(rp_config_peek(group, SCHEMA(FILL),
                           "radius_mean radius_width radius_min radius_max radius_law by density", fill));
+    if (fill->density < 0.0) RP_TRY(dem_peek_density(group, &fill->density));
     RP_TRY(read_radii(arena, group, fill));
     return fill->law == DEM_RADII_TABLE ? dem_radii_check(fill) : RP_OK;
 }
@@ -46,7 +47,7 @@ static rp_status check_fill(const config_setting_t *group, const dem_scene *scen
 {
     char pattern[16];
     rp_status status = dem_radii_check(f);
-    if (!status && f->density < 0.0)
+    if (!status && f->density < 0.0 && dem_density_of(scene, f->of_kind) == scene->laws.physics.density)
         status = dem_density_check(scene->laws.physics.shape, scene->def.units, scene->has_density);
     if (status) return rp_config_fail(group, "%s", rp_message());
     if (f->N < 0 && f->pattern == DEM_PATTERN_RANDOM)
@@ -68,15 +69,15 @@ static rp_status read_fill(const config_setting_t *group, dem_scene *scene, dem_
     const config_setting_t *polygon = member(group, "polygon");
     double *corners = NULL;
     rp_params_defaults(SCHEMA(FILL), scene->def.units, f);
+    RP_TRY(dem_read_kind(group, scene, &f->of_kind));
     RP_TRY(rp_config_group(group, SCHEMA(FILL), f, "radii polygon if"));
     RP_TRY(read_radii(arena, group, f));
     if (polygon) RP_TRY(dem_read_points(arena, polygon, 3, &f->n_corners, &corners));
     f->corners = corners;
+    f->kind = f->of_kind > 0 ? scene->def.kinds[f->of_kind].name : "";
     RP_TRY(check_fill(group, scene, f));
-    RP_TRY(dem_read_name(arena, group, "kind", &f->kind));
-    RP_TRY(dem_number_kind(scene, f->kind, &f->of_kind));
     f->shape = scene->laws.physics.shape;
-    if (f->density < 0.0) f->density = scene->laws.physics.density;
+    if (f->density < 0.0) f->density = dem_density_of(scene, f->of_kind);
     if (f->H < 0.0) f->H = INFINITY;
     return RP_OK;
 }

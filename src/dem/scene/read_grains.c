@@ -27,8 +27,9 @@ static rp_status add_grain(const dem_scene *scene, size_t i, size_t line)
     dem_grain *p = &scene->grains[i];
     scene->lines[i] = line;
     if (p->m >= 0.0) return RP_OK;
-    p->m = dem_mass(all->shape, all->density, p->r);
-    return dem_density_check(all->shape, scene->def.units, scene->has_density);
+    const double density = dem_density_of(scene, p->kind);
+    p->m = dem_mass(all->shape, density, p->r);
+    return dem_density_check(all->shape, scene->def.units, scene->has_density || density != all->density);
 }
 
 static rp_status read_particles(const config_setting_t *list, dem_scene *scene)
@@ -39,8 +40,8 @@ static rp_status read_particles(const config_setting_t *list, dem_scene *scene)
     for (size_t i = 0; i < length(list); i++) {
         dem_grain *p = &scene->grains[i];
         rp_params_defaults(SCHEMA(PARTICLES), scene->def.units, p);
-        RP_TRY(rp_config_group(element(list, i), SCHEMA(PARTICLES), p, "kind"));
         RP_TRY(dem_read_kind(element(list, i), scene, &p->kind));
+        RP_TRY(rp_config_group(element(list, i), SCHEMA(PARTICLES), p, "kind"));
         RP_TRY(add_grain(scene, i, config_setting_source_line(element(list, i))));
     }
     return RP_OK;

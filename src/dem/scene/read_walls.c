@@ -20,7 +20,8 @@ static rp_status add_wall(const dem_wall_entry *entry, dem_wall wall, dem_scene 
     }
     scene->given[n] = wall.material;
     scene->names[n] = entry->name;
-    wall.material = dem_wall_material(scene->def.units, &wall.material, &scene->laws.physics);
+    memcpy(scene->bodies[n], (double[]){entry->E, entry->nu}, sizeof scene->bodies[n]);
+    wall.material = dem_material_of_wall(scene, &scene->laws, 0, n, &wall.material);
     rp_status status = dem_wall_check(&wall);
     if (!status) status = dem_material_check(def, &wall.material);
     ((dem_wall *)def->wall_list)[n] = wall;
@@ -78,23 +79,16 @@ static rp_status read_circle(rp_arena *arena, const config_setting_t *circle, de
     return RP_OK;
 }
 
-/* Of a wall's material against the grains'. */
-static rp_status use_material(const config_setting_t *setting, const dem_scene *scene, dem_wall_entry *wall)
+/* Has a wall a material of its own, it is one of elastic bodies. */
+static rp_status check_material(const config_setting_t *setting, const dem_scene *scene,
+                                const dem_wall_entry *wall)
 {
-    dem_material *m = &wall->line.material;
-    double k_n, k_s;
-    if (!(scene->E > 0.0))
-        return wall->E > 0.0 || wall->nu >= 0.0
-                   ? rp_config_fail(setting, "E, nu: of a wall need the grains' in material = { E; nu; ... }")
-                   : RP_OK;
-    if (wall->E > 0.0 && (m->k_n >= 0.0 || m->k_s >= 0.0))
-        return rp_config_fail(setting, "E and k_n or k_s of a wall; keep one");
-    const double E[2] = {scene->E, wall->E > 0.0 ? wall->E : scene->E},
-                 nu[2] = {scene->nu, wall->nu >= 0.0 ? wall->nu : scene->nu};
-    dem_elastic_contact(E, nu, &k_n, &k_s);
-    if (m->k_n < 0.0) m->k_n = k_n;
-    if (m->k_s < 0.0) m->k_s = k_s;
-    return RP_OK;
+    const dem_material *m = &wall->line.material;
+    if (!(scene->E > 0.0) && (wall->E > 0.0 || wall->nu >= 0.0))
+        return rp_config_fail(setting, "E, nu: of a wall need the grains' in material = { E; nu; ... }");
+    return wall->E > 0.0 && (m->k_n >= 0.0 || m->k_s >= 0.0)
+               ? rp_config_fail(setting, "E and k_n or k_s of a wall; keep one")
+               : RP_OK;
 }
 
 /* An entry, whose points stay in the arena. */
@@ -106,7 +100,7 @@ static rp_status read_entry(rp_arena *arena, const config_setting_t *setting, de
     rp_params_defaults(SCHEMA(WALLS), scene->def.units, entry);
     RP_TRY(rp_config_group(setting, SCHEMA(WALLS), entry, dem_wall_others));
     RP_TRY(dem_read_name(&scene->arena, setting, "name", &entry->name));
-    RP_TRY(use_material(setting, scene, entry));
+    RP_TRY(check_material(setting, scene, entry));
     const config_setting_t *polygon = member(setting, "polygon"), *circle = member(setting, "circle"),
                            *velocity = member(setting, "velocity"), *pivot = member(setting, "pivot");
     entry->setting = polygon ? polygon : circle ? circle : setting;
@@ -141,6 +135,7 @@ rp_status dem_read_walls(const config_setting_t *root, dem_scene *scene)
     RP_NEW(&scene->arena, walls, most);
     RP_NEW(&scene->arena, scene->given, most);
     RP_NEW(&scene->arena, scene->names, most);
+    RP_NEW(&scene->arena, scene->bodies, most);
     def->wall_list = walls;
     for (const dem_wall_entry *e = entries; e < entries + length(list); e++)
         RP_TRY(e->points ? add_sides(e, scene) : add_wall(e, e->line, scene));

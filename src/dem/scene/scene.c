@@ -82,6 +82,7 @@ rp_status dem_text_scene(dem_text *text, dem_scene *scene)
     def->box_turn_per_step = scene->box_turn_deg * (M_PI / 180.0);
     for (int k = NORMAL; k <= ROLLING; k++) rp_params_defaults(SCHEMA(k), units, &scene->laws.physics);
     RP_TRY(dem_read_physics(root, scene));
+    RP_TRY(dem_read_kinds(root, false, scene, &scene->laws));
     RP_TRY(dem_read_walls(root, scene));
     RP_TRY(dem_read_group(root, GROUND, &def->ground, &there));
     RP_TRY(dem_read_group(root, HARD, &def->hard, &def->hard.on));
@@ -97,7 +98,9 @@ rp_status dem_text_scene(dem_text *text, dem_scene *scene)
                                   "%s: needs phases, as in phases = ( { name = \"run\"; steps = %ld; } );",
                                   *key, scene->steps);
     RP_TRY(dem_read_grains(text->path, root, scene));
-    RP_TRY(dem_read_kinds(root, scene));
+    RP_TRY(dem_number_added(member(root, "phases"), scene));
+    if (dem_mix_kinds(scene, &scene->laws, scene->given, def))
+        return rp_config_fail(member(root, member(root, "kinds") ? "kinds" : "pairs"), "%s", rp_message());
     for (size_t k = 0; k < scene->n_fills; k++) {
         const dem_fill *f = &scene->fills[k];
         const double m = dem_mass(f->shape, f->density, dem_radius_mean(f)), least = def->mass_to_come;

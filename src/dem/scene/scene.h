@@ -15,11 +15,32 @@ typedef struct {
     long states, energy, contacts, walls;
 } dem_intervals;
 
+/* Coefficients of a kind, and of two kinds or of a kind and a wall, as given; negative: not. */
+typedef struct {
+    dem_material material;
+    double density, E, nu;
+} dem_kind_said;
+typedef struct {
+    const char *of[2];
+    dem_material material;
+} dem_pair_said;
+
+/* Of two values that differ. */
+#define DEM_PAIR_RULES(X)                                                                                    \
+    X(DEM_PAIRS_EQUAL, equal, "equal values hold, others are refused until `pairs` says them")               \
+    X(DEM_PAIRS_SMALLER, smaller, "the smaller value, as in PFC")                                            \
+    X(DEM_PAIRS_GEOMETRIC, geometric, "the root of their product, as in LAMMPS")
+typedef enum { DEM_PAIR_RULES(DEM_ID) } dem_pair_rule;
+
 /* What may change while a scene runs, as a file gives it: "auto" is not resolved, an end that is none is
  * above all numbers. */
 typedef struct {
     dem_physics physics;
     double x_min, x_max, y_min;
+    size_t n_kinds, n_pairs; /* kinds by their numbers; 0: none has coefficients of its own */
+    const dem_kind_said *kinds;
+    const dem_pair_said *pairs;
+    int pairs_rule;
 } dem_scene_laws;
 
 typedef struct {
@@ -38,7 +59,9 @@ typedef struct {
     bool compressed; /* they may overlap at the start */
     dem_scene_laws laws;
     dem_material *given;                        /* of the walls, as given */
+    double (*bodies)[2];                        /* E and nu of each; negative: not given */
     const char **names;                         /* of the walls, "" of one without; NULL: none has one */
+    bool has[DEM_MOST_MIXED];                   /* grains of these kinds, at the start or later */
     double turn_deg, box_turn_deg;              /* a step, of gravity and of the box */
     bool has_density;                           /* given, no default */
     const char *particles_file, *contacts_file; /* "": none; the text's own */

@@ -156,8 +156,9 @@ bool dem_place(const char *key, char text[RP_PLACE_BYTES])
         rp_put_place(text, &used, group, dot + 1, "{ }");
     }
     for (const dem_scene_group *g = dem_scene_schemas; g->name && used < RP_PLACE_BYTES; g++) {
-        const bool top = g->schema == SCHEMA(TOP),
-                   list = g->schema == SCHEMA(WALLS) || g->schema == SCHEMA(PARTICLES);
+        const bool top = g->schema == SCHEMA(TOP), list = g->schema == SCHEMA(WALLS) ||
+                                                          g->schema == SCHEMA(PARTICLES) ||
+                                                          g->schema == SCHEMA(PAIRS);
         const char *also = top                          ? dem_scene_others
                            : g->schema == SCHEMA(WALLS) ? dem_wall_others
                            : g->schema == SCHEMA(FILL)  ? "radii polygon"

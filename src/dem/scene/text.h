@@ -45,13 +45,13 @@ rp_status dem_text_give(dem_text *text, const char *name, const rp_value *value)
  * dem_scene_free, also after an error. Errors: those of dem_scene_read. */
 rp_status dem_text_scene(dem_text *text, dem_scene *scene);
 
-/* The keys dt, x_min, x_max, y_min, normal, tangential and rolling of a group, over the laws that hold so
- * far. Errors: RP_BAD_INPUT. */
-rp_status dem_text_laws(const config_setting_t *group, const dem_scene *scene, dem_scene_laws *laws);
+/* The keys dt, x_min, x_max, y_min, normal, tangential, rolling, kinds and pairs of a group, over the laws
+ * that hold so far. Errors: RP_BAD_INPUT. */
+rp_status dem_text_laws(const config_setting_t *group, dem_scene *scene, dem_scene_laws *laws);
 
 /* The definition and walls that follow from laws and the walls' coefficients as given; the definition borrows
  * the walls, of which there are as many as the scene's. Errors: RP_BAD_INPUT. */
-rp_status dem_laws_apply(const dem_scene_laws *laws, const dem_material *given, const dem_scene *scene,
+rp_status dem_laws_apply(const dem_scene_laws *laws, const dem_material *given, dem_scene *scene,
                          dem_definition *def, dem_wall *walls);
 
 /* The coefficients of a wall in a group, beside other keys; *some: there is one. Errors: RP_BAD_INPUT. */

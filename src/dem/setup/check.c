@@ -69,8 +69,13 @@ rp_status dem_motion_check(const dem_definition *def, const dem_wall *wall)
 
 /* Would wall a never act, because it stays on the whole line b, to a thousandth of this radius, and has other
  * coefficients or another velocity, or is this line once more? */
-static bool is_hidden(const dem_wall *a, const dem_wall *b, double r)
+static bool is_hidden(const dem_definition *def, size_t k, const dem_wall *a, size_t j, const dem_wall *b,
+                      double r)
 {
+    bool alike = true;
+    for (size_t kind = 0; kind == 0 || kind < def->n_kinds; kind++)
+        alike &=
+            memcmp(dem_material_at(def, k, kind), dem_material_at(def, j, kind), sizeof(dem_material)) == 0;
     const double d[] = {a->point[0] - b->point[0], a->point[1] - b->point[1]},
                  v[] = {a->velocity[0] - b->velocity[0], a->velocity[1] - b->velocity[1]}, *n = a->direction,
                  *m = b->direction;
@@ -80,14 +85,13 @@ static bool is_hidden(const dem_wall *a, const dem_wall *b, double r)
             fmax(1e-9 * rp_hypot(d[0], d[1]), dem_wall_is_line(a) ? 0.0 : 1e-3 * r) ||
         fabs(v[0] * m[0] + v[1] * m[1]) > 1e-9 * rp_hypot(v[0], v[1]))
         return false;
-    return dem_wall_is_line(a)
-               ? n[0] * m[0] + n[1] * m[1] > 0.0
-               : v[0] != 0.0 || v[1] != 0.0 || memcmp(&a->material, &b->material, sizeof a->material) != 0;
+    return dem_wall_is_line(a) ? n[0] * m[0] + n[1] * m[1] > 0.0 : v[0] != 0.0 || v[1] != 0.0 || !alike;
 }
 
-rp_status dem_hidden_check(size_t k, const dem_wall *a, size_t j, const dem_wall *b, double r)
+rp_status dem_hidden_check(const dem_definition *def, size_t k, const dem_wall *a, size_t j,
+                           const dem_wall *b, double r)
 {
-    if (k == j || !is_hidden(a, b, r)) return RP_OK;
+    if (k == j || !is_hidden(def, k, a, j, b, r)) return RP_OK;
     return rp_fail(
         RP_BAD_INPUT,
         "wall %zu: lies on wall %zu, a whole line, and would never act: cut the line into segments, "
@@ -104,6 +108,23 @@ static rp_status check_walls(const dem_definition *def)
         if (!status) status = dem_motion_check(def, &walls[k]);
         RP_TRY(rp_prefix(status, "wall %zu: ", k + 1));
     }
+    return RP_OK;
+}
+
+rp_status dem_kinds_check(const dem_definition *def)
+{
+    const size_t n = def->n_kinds;
+    if (n > (def->pairs ? DEM_MOST_MIXED : DEM_MOST_KINDS))
+        return rp_fail(RP_BAD_INPUT, "%zu kinds: at most %d, and %d with coefficients of their own", n,
+                       DEM_MOST_KINDS, DEM_MOST_MIXED);
+    if ((n > 0 && !def->kinds) || (n < 2 && def->pairs)) return rp_fail(RP_BAD_INPUT, "kinds: NULL");
+    for (size_t i = 0; i < def->n_grains; i++)
+        if (def->grains[i].kind > 0 && def->grains[i].kind >= n)
+            return rp_fail(RP_BAD_INPUT, "particle %zu: kind = %u: there are %zu", i + 1, def->grains[i].kind,
+                           n);
+    for (size_t k = 0; def->pairs && k < n * n; k++)
+        if (memcmp(&def->pairs[k], &def->pairs[k % n * n + k / n], sizeof *def->pairs) != 0)
+            return dem_pair_prefix(def, k, rp_fail(RP_BAD_INPUT, "differ by their order"));
     return RP_OK;
 }
 
@@ -130,6 +151,7 @@ static rp_status check_hard(const dem_definition *def)
     if (!hard->on) return RP_OK;
     RP_TRY(rp_check_range("hard: restitution", hard->restitution, 0.0, 1.0, "[0, 1]"));
     RP_TRY(rp_check_range("hard: mu", hard->mu, 0.0, INFINITY, "[0, inf) | infinite"));
+    if (def->pairs) return rp_fail(RP_BAD_INPUT, "hard: its collisions are alike for all kinds of grains");
     /* a pair that has just collided must not be held back */
     if (def->tension)
         return rp_fail(RP_BAD_INPUT, "hard: collisions need normal forces that do not pull, tension = false");
@@ -145,8 +167,6 @@ rp_status dem_grain_check(const dem_definition *def, const dem_grain *p)
 {
     RP_TRY(check_number("r", p->r, DBL_MIN, "(0, inf)"));
     RP_TRY(check_number("m", p->m, DBL_MIN, "(0, inf)"));
-    if (p->kind > 0 && p->kind >= def->n_kinds)
-        return rp_fail(RP_BAD_INPUT, "kind %u: there are %zu", p->kind, def->n_kinds);
     if (p->fixed && (p->vx != 0.0 || p->vy != 0.0 || p->omega != 0.0))
         return rp_fail(RP_BAD_INPUT, "vx = %g, vy = %g, omega = %g: must be 0, it is fixed", p->vx, p->vy,
                        p->omega);
@@ -189,6 +209,8 @@ rp_status dem_laws_check(const dem_definition *def)
 {
     RP_TRY(rp_prefix(check_material(def, &def->material), "particles: "));
     RP_TRY(check_walls(def));
+    for (size_t k = 0; def->pairs && k < dem_pair_count(def); k++)
+        RP_TRY(dem_pair_prefix(def, k, check_material(def, &def->pairs[k])));
     RP_TRY(check_ground(def));
     RP_TRY(check_hard(def));
     RP_TRY(dem_scheme_check(def));
@@ -224,7 +246,8 @@ static rp_status check_walls_of_all(const dem_definition *def)
         const rp_status status = dem_way_check(dem_wall_speed(def, &walls[k]) * def->dt, r_min);
         const char *turns = def->box_turn_per_step != 0.0 ? "box_turn_deg_per_step: " : "";
         RP_TRY(rp_prefix(status, "%swall %zu: ", turns, k + 1));
-        for (size_t j = 0; j < def->n_walls; j++) RP_TRY(dem_hidden_check(k, &walls[k], j, &walls[j], r_min));
+        for (size_t j = 0; j < def->n_walls; j++)
+            RP_TRY(dem_hidden_check(def, k, &walls[k], j, &walls[j], r_min));
     }
     return RP_OK;
 }

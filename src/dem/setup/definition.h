@@ -11,7 +11,8 @@ rp_status dem_definition_check(const dem_definition *def);
 rp_status dem_laws_check(const dem_definition *def);
 rp_status dem_wall_check(const dem_wall *wall);
 rp_status dem_motion_check(const dem_definition *def, const dem_wall *wall);
-rp_status dem_hidden_check(size_t k, const dem_wall *a, size_t j, const dem_wall *b, double r);
+rp_status dem_hidden_check(const dem_definition *def, size_t k, const dem_wall *a, size_t j,
+                           const dem_wall *b, double r);
 rp_status dem_way_check(double way, double r_min);
 rp_status dem_grain_check(const dem_definition *def, const dem_grain *grain);
 rp_status dem_scheme_check(const dem_definition *def);
@@ -27,6 +28,11 @@ void dem_physics_free(dem_definition *copy, const dem_definition *def);
 rp_status dem_kinds_alloc(dem_definition *def, bool pairs);
 rp_status dem_kinds_copy(const dem_definition *of, dem_definition *def);
 void dem_kinds_free(dem_definition *def);
+
+/* Kinds of the grains that there are, and coefficients that do not depend on the order of two. The kinds of
+ * entry k of the pairs before an error's message. Errors: RP_BAD_INPUT. */
+rp_status dem_kinds_check(const dem_definition *def);
+rp_status dem_pair_prefix(const dem_definition *def, size_t k, rp_status status);
 
 /* Entries of the pairs, walls included. */
 static inline size_t dem_pair_count(const dem_definition *def)

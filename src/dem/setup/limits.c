@@ -103,7 +103,8 @@ static contact_laws laws_at(const dem_definition *def, const dem_material *c, co
     const double scaled = law->scale(c->k_n, of.r_eff);
     double unused = 0.0;
     dem_slider slider = dem_slider_of(def->slip, def->damping, c->k_s, c->gamma_s, 0.0),
-               roll = dem_rolls_of(def->rolling, def->tangential, dem_arm_of(def, c), c);
+               roll = dem_rolls_of(def->rolling, def->tangential, dem_arm_of(def, c), c->k_roll,
+                                   c->gamma_roll, c->mu_roll);
     if (dem_is_of_radius(def->tangential)) {
         slider = dem_law_at_overlap(slider, of.r_eff, of.m_eff, overlap, overlap, &unused);
         roll = dem_law_at_overlap(roll, of.r_eff, of.m_eff, overlap, overlap, &unused);
@@ -198,22 +199,28 @@ static double well_step_limit(const dem_definition *def, double m, double r, dou
     return stiffness > 0.0 ? 0.85 * 4.0 / sqrt(12.0 * stiffness / m) : INFINITY;
 }
 
-/* The two grains of all that move that are quickest in a coordination; `second` is NULL where only one moves.
- */
-static void lightest_two(const dem_definition *def, double r_min, const dem_grain **first,
-                         const dem_grain **second)
+/* Mass for each place of a neighbour. */
+static double lightness(const dem_grain *p, double r_min)
 {
-    double least = INFINITY, next = INFINITY;
-    *first = *second = NULL;
-    for (size_t i = 0; i < def->n_grains; i++) {
-        const dem_grain *p = &def->grains[i];
-        const double m = p->m / coordination_of(p->r, r_min);
-        if (p->fixed || m >= next) continue;
-        const bool lightest = m < least;
-        next = lightest ? least : m;
-        *second = lightest ? *first : p;
-        if (lightest) least = m, *first = p;
-    }
+    return p->m / coordination_of(p->r, r_min);
+}
+
+static bool is_of(const dem_definition *def, const dem_grain *p, size_t kind)
+{
+    return !def->pairs || p->kind == kind;
+}
+
+/* The grain of a kind that is quickest in a coordination, of those that move, but one; NULL: there is none.
+ */
+static const dem_grain *lightest_of(const dem_definition *def, double r_min, size_t kind,
+                                    const dem_grain *but)
+{
+    const dem_grain *lightest = NULL;
+    for (const dem_grain *p = def->grains; p < def->grains + def->n_grains; p++)
+        if (is_of(def, p, kind) && !p->fixed && p != but &&
+            (!lightest || lightness(p, r_min) < lightness(lightest, r_min)))
+            lightest = p;
+    return lightest;
 }
 
 /* Mean mass of the grains that move, or of those to come. */
@@ -234,40 +241,76 @@ static void lower_to(step_bound t, const char *contact, size_t wall, double *lim
     if (wall) snprintf(what + strlen(what), sizeof(dem_limit_name) - strlen(what), " at wall %zu", wall);
 }
 
+/* All grains: radii, of those that move too; mean mass; speed of impacts. */
+typedef struct {
+    double r_min, r_max, r_moves, m_mean, v;
+} bed;
+
+/* The first, where the other can't move. */
+static contact_pair one_of(const dem_grain *p, const bed *all)
+{
+    return pair_of(p->m, coordination_of(p->r, all->r_min), INFINITY, 0.0, p->r);
+}
+
+/* Lower the limit to that of the lightest grains of two kinds, or of one and a fixed grain. */
+static void lower_to_kinds(const dem_definition *def, const bed *all, size_t a, size_t b, double *limit,
+                           dem_limit_name what)
+{
+    const dem_grain *p = lightest_of(def, all->r_min, a, NULL), *q = lightest_of(def, all->r_min, b, p);
+    dem_limit_name of = "two of the lightest grains";
+    size_t others = 0;
+    for (size_t i = 0; i < def->n_grains && !(p && q); i++) others += is_of(def, &def->grains[i], p ? b : a);
+    if ((!p && !q) || (!(p && q) && others <= (a == b))) return;
+    if (!p || (q && lightness(q, all->r_min) < lightness(p, all->r_min))) {
+        const dem_grain *const heavier = p;
+        p = q, q = heavier;
+    }
+    const contact_pair two =
+        q ? pair_of(p->m, coordination_of(p->r, all->r_min), q->m, coordination_of(q->r, all->r_min),
+                    p->r * all->r_max / (p->r + all->r_max))
+          : one_of(p, all);
+    if (def->pairs)
+        snprintf(of, sizeof of, "kinds \"%.20s\" and \"%.20s\"", def->kinds[a].name, def->kinds[b].name);
+    lower_to(speed_step_limit(def, dem_pair_material(def, a, b), two, q ? 0.5 * all->m_mean : all->m_mean,
+                              all->r_moves, all->v),
+             of, 0, limit, what);
+}
+
+/* The same at the walls. */
+static void lower_to_walls(const dem_definition *def, const bed *all, size_t a, double *limit,
+                           dem_limit_name what)
+{
+    const dem_grain *p = lightest_of(def, all->r_min, a, NULL);
+    dem_limit_name of = "the lightest grain";
+    if (def->pairs) snprintf(of, sizeof of, "kind \"%s\"", def->kinds[a].name);
+    for (size_t w = 0; w < def->n_walls && p; w++) {
+        if (dem_wall_moves(&dem_walls_of(def)[w]))
+            lower_to((step_bound){all->r_min / dem_wall_speed(def, &dem_walls_of(def)[w]), ""},
+                     "a way below the smallest radius", w + 1, limit, what);
+        lower_to(speed_step_limit(def, dem_material_at(def, w, a), one_of(p, all), all->m_mean, all->r_moves,
+                                  all->v),
+                 of, w + 1, limit, what);
+        if ((int)w + 1 == def->ground.wall)
+            lower_to((step_bound){well_step_limit(def, p->m, all->r_moves, all->v), ""},
+                     "the lightest grain in a well of the ground", 0, limit, what);
+    }
+}
+
 static double step_limit(const dem_definition *def, dem_limit_name what)
 {
     snprintf(what, sizeof(dem_limit_name), "nothing: the integrator is implicit");
     if (!dem_schemes[def->integrator]->step_limit) return INFINITY;
-    double r_moves = INFINITY, r_min = INFINITY, r_max = 0.0, limit = INFINITY;
-    const dem_grain *first, *second;
+    bed all = {.r_min = INFINITY, .r_moves = INFINITY, .m_mean = mean_mass(def), .v = dem_impact_speed(def)};
+    double limit = INFINITY;
     for (size_t i = 0; i < def->n_grains; i++) {
-        r_min = fmin(r_min, def->grains[i].r), r_max = fmax(r_max, def->grains[i].r);
-        if (!def->grains[i].fixed) r_moves = fmin(r_moves, def->grains[i].r);
+        const double r = def->grains[i].r;
+        all.r_min = fmin(all.r_min, r), all.r_max = fmax(all.r_max, r);
+        if (!def->grains[i].fixed) all.r_moves = fmin(all.r_moves, r);
     }
-    lightest_two(def, r_min, &first, &second);
     snprintf(what, sizeof(dem_limit_name), "no contact");
-    if (!first) return limit;
-    const double v = dem_impact_speed(def), coordination = coordination_of(first->r, r_min),
-                 m_mean = mean_mass(def);
-    const contact_pair one =
-        pair_of(first->m, coordination, INFINITY, 0.0, first->r); /* the other cannot move */
-    if (def->n_grains > 1) {
-        const contact_pair two =
-            second ? pair_of(first->m, coordination, second->m, coordination_of(second->r, r_min),
-                             first->r * r_max / (first->r + r_max))
-                   : one;
-        lower_to(speed_step_limit(def, &def->material, two, second ? 0.5 * m_mean : m_mean, r_moves, v),
-                 "two of the lightest grains", 0, &limit, what);
-    }
-    for (size_t w = 0; w < def->n_walls; w++) {
-        if (dem_wall_moves(&dem_walls_of(def)[w]))
-            lower_to((step_bound){r_min / dem_wall_speed(def, &dem_walls_of(def)[w]), ""},
-                     "a way below the smallest radius", w + 1, &limit, what);
-        lower_to(speed_step_limit(def, &dem_walls_of(def)[w].material, one, m_mean, r_moves, v),
-                 "the lightest grain", w + 1, &limit, what);
-        if ((int)w + 1 == def->ground.wall)
-            lower_to((step_bound){well_step_limit(def, first->m, r_moves, v), ""},
-                     "the lightest grain in a well of the ground", 0, &limit, what);
+    for (size_t a = 0; a == 0 || (def->pairs && a < def->n_kinds); a++) {
+        for (size_t b = 0; b <= a; b++) lower_to_kinds(def, &all, a, b, &limit, what);
+        lower_to_walls(def, &all, a, &limit, what);
     }
     return limit;
 }

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/arena.h"
 #include "dem/setup/definition.h"
 #include "dem/state/method.h"
 
@@ -25,7 +26,7 @@ bool dem_damps_by_rate(const dem_definition *def)
 
 /* In the order of the list: a value may depend on those before it. What follows from a gamma_n that is not
  * known yet stays negative. */
-static void complete(const dem_definition *def, dem_material *m)
+void dem_material_complete(const dem_definition *def, dem_material *m)
 {
     const bool rate = dem_damps_by_rate(def);
 #define MATERIAL_VALUE(...) MATERIAL_VALUE_OF(__VA_ARGS__)
@@ -40,7 +41,7 @@ void dem_physics_apply(const dem_physics *p, dem_definition *def)
 #define GIVEN(kind, type, name, ...)                                                                         \
     DEM_IF_SCENE(kind, def->name = p->name;) DEM_IF_MATERIAL(kind, m->name = p->name;)
     DEM_PHYSICS(GIVEN)
-    complete(def, m);
+    dem_material_complete(def, m);
 }
 
 static bool is_word(const char *words, int index)
@@ -64,18 +65,24 @@ bool dem_words_known(const dem_definition *def)
 #define AUTO(kind, type, name, ...) DEM_IF_MATERIAL(kind, .name = -1.0, )
 const dem_material dem_material_auto = {DEM_PHYSICS(AUTO)};
 
+void dem_material_over(const dem_material *given, dem_material *m)
+{
+    if (given->gamma_n >= 0.0) m->restitution = -1.0;
+    if (given->restitution > 0.0) m->gamma_n = -1.0;
+#define OVER(kind, type, name, ...) DEM_IF_MATERIAL(kind, if (given->name >= 0.0) m->name = given->name;)
+    DEM_PHYSICS(OVER)
+}
+
 dem_material dem_wall_material(rp_units units, const dem_material *given, const dem_physics *grains)
 {
     const dem_definition laws = {.normal = grains->normal, .tangential = grains->tangential, .units = units};
     dem_material m;
 #define WALL_VALUE(...) WALL_VALUE_OF(__VA_ARGS__)
 #define WALL_VALUE_OF(kind, type, name, key, unit, fallback, range, also, automatic, wall, ...)              \
-    DEM_IF_MATERIAL(kind, m.name = given->name < 0.0 ? (wall)*grains->name : given->name;)
+    DEM_IF_MATERIAL(kind, m.name = (wall)*grains->name;)
     DEM_PHYSICS(WALL_VALUE)
-    /* one of the two that is given replaces the grains' other */
-    if (given->gamma_n >= 0.0 && given->restitution < 0.0) m.restitution = -1.0;
-    if (given->restitution > 0.0 && given->gamma_n < 0.0) m.gamma_n = -1.0;
-    complete(&laws, &m);
+    dem_material_over(given, &m);
+    dem_material_complete(&laws, &m);
     return m;
 }
 
@@ -111,6 +118,8 @@ void dem_physics_free(dem_definition *copy, const dem_definition *def)
 {
     if (copy->wall_list != def->wall_list) free((dem_wall *)copy->wall_list);
     copy->wall_list = def->wall_list;
+    if (copy->pairs != def->pairs) free((dem_material *)copy->pairs);
+    copy->pairs = def->pairs;
 }
 
 /* The walls of the copy, that may be changed; NULL without memory. */
@@ -122,12 +131,57 @@ static dem_wall *own_walls(dem_definition *copy)
     return walls;
 }
 
+rp_status dem_pair_prefix(const dem_definition *def, size_t k, rp_status status)
+{
+    const size_t n = def->n_kinds, row = k / n;
+    const char *name = def->kinds[k % n].name;
+    return row < n ? rp_prefix(status, "kinds \"%s\" and \"%s\": ", def->kinds[row].name, name)
+                   : rp_prefix(status, "kind \"%s\" at wall %zu: ", name, row - n + 1);
+}
+
+/* Of two grains of these masses; a mean over equal ones is theirs. */
+static double reduced(double a, double b)
+{
+    return a == b ? 0.5 * a : a * b / (a + b);
+}
+
+/* The same for each pair of kinds, of mean grains of both, or of all grains where a kind has none yet. */
+static rp_status resolve_pairs(dem_definition *def, double mean)
+{
+    const size_t n = def->n_kinds, row = n * sizeof(dem_material);
+    const dem_material *given = def->pairs;
+    double *mass, *count;
+    RP_SCOPE(arena);
+    RP_NEW(&arena, mass, n);
+    RP_NEW(&arena, count, n);
+    for (size_t i = 0; i < def->n_grains; i++)
+        mass[def->grains[i].kind] += def->grains[i].m, count[def->grains[i].kind] += 1.0;
+    for (size_t a = 0; a < n; a++) mass[a] = count[a] > 0.0 ? mass[a] / count[a] : mean;
+    dem_material *pairs = malloc(dem_pair_count(def) * sizeof *pairs);
+    if (!pairs) return rp_fail(RP_NO_MEMORY, "kinds: out of memory");
+    memcpy(pairs, given, dem_pair_count(def) * sizeof *pairs);
+    def->pairs = pairs;
+    for (size_t k = 0; k < dem_pair_count(def); k++) {
+        const size_t a = k % n, b = k / n;
+        if (b > n && memcmp(&given[b * n], &given[b * n - n], row) == 0) { /* as the sides of a polygon */
+            pairs[k] = pairs[k - n];
+            continue;
+        }
+        const double m_eff = b < n ? reduced(mass[a], mass[b]) : mass[a];
+        RP_TRY(dem_pair_prefix(def, k, find_damping(def, m_eff, &pairs[k])));
+        dem_material_complete(def, &pairs[k]);
+    }
+    return RP_OK;
+}
+
 rp_status dem_physics_resolve(dem_definition *def)
 {
     if (def->n_walls > DEM_FEW_WALLS && !def->wall_list)
         return rp_fail(RP_BAD_INPUT, "%zu walls: more than %d need a list", def->n_walls, DEM_FEW_WALLS);
+    RP_TRY(dem_kinds_check(def));
     bool asked = def->material.restitution > 0.0;
     for (size_t w = 0; w < def->n_walls; w++) asked |= dem_walls_of(def)[w].material.restitution > 0.0;
+    for (size_t k = 0; def->pairs && k < dem_pair_count(def); k++) asked |= def->pairs[k].restitution > 0.0;
     if (!asked) return RP_OK;
     dem_wall *walls = own_walls(def);
     if (!walls) return rp_fail(RP_NO_MEMORY, "%zu walls: out of memory", def->n_walls);
@@ -135,7 +189,7 @@ rp_status dem_physics_resolve(dem_definition *def)
     double mass = def->n_grains > 0 ? 0.0 : def->mass_to_come;
     for (size_t i = 0; i < def->n_grains; i++) mass += def->grains[i].m / (double)def->n_grains;
     RP_TRY(find_damping(def, 0.5 * mass, &def->material));
-    complete(def, &def->material);
+    dem_material_complete(def, &def->material);
     dem_material given;
     for (size_t w = 0; w < def->n_walls; w++) {
         dem_material *m = &walls[w].material;
@@ -145,9 +199,9 @@ rp_status dem_physics_resolve(dem_definition *def)
         }
         given = *m;
         RP_TRY(rp_prefix(find_damping(def, mass, m), "wall %zu: ", w + 1));
-        complete(def, m);
+        dem_material_complete(def, m);
     }
-    return RP_OK;
+    return def->pairs ? resolve_pairs(def, mass) : RP_OK;
 }
 
 /* ---- Kinds ---- */
@@ -209,5 +263,6 @@ bool dem_has_rolling(const dem_definition *def)
 {
     bool rolling = def->material.mu_roll > 0.0;
     for (size_t w = 0; w < def->n_walls; w++) rolling |= dem_walls_of(def)[w].material.mu_roll > 0.0;
+    for (size_t k = 0; def->pairs && k < dem_pair_count(def); k++) rolling |= def->pairs[k].mu_roll > 0.0;
     return rolling;
 }

@@ -9,7 +9,8 @@
 rp_status dem_pairs_reserve(dem_pairs *pairs, size_t more)
 {
     if (pairs->n + more + 8 <= pairs->capacity) return RP_OK;
-    const bool rotation = pairs->rotation, rolling = pairs->rolling, springs_only = pairs->springs_only;
+    const bool rotation = pairs->rotation, rolling = pairs->rolling, kinds = pairs->kinds,
+               springs_only = pairs->springs_only;
     const size_t n = pairs->n, capacity = pairs->capacity = 9 * (pairs->n + more) / 512 * 64 + 128;
 #define X(type, name, need, share, role)                                                                     \
     if ((need) && !dem_array_grow(&pairs->name, sizeof(type), (n + share - 1) / share, capacity / share))    \

@@ -16,7 +16,8 @@ typedef enum {
 /* Type, name, where it is needed (NULL elsewhere), entries that share one item, role.
  *
  * touching: a bit for each pair, lowest of a word first. radii: r_i + r_j. r_eff: r_i r_j/(r_i + r_j).
- * spring, roll: displacements of the shear and the rolling spring, 0 without touch. */
+ * entry: of the definition's pairs. spring, roll: displacements of the shear and the rolling spring, 0
+ * without touch. */
 #define DEM_PAIR_ARRAYS(X)                                                                                   \
     X(uint32_t, i, true, 1, DEM_MADE)                                                                        \
     X(uint32_t, j, true, 1, DEM_MADE)                                                                        \
@@ -26,11 +27,13 @@ typedef enum {
     X(double, radius_i, rotation, 1, DEM_MADE)                                                               \
     X(double, radius_j, rotation, 1, DEM_MADE)                                                               \
     X(double, r_eff, !springs_only, 1, DEM_MADE)                                                             \
+    X(uint32_t, entry, kinds && !springs_only, 1, DEM_MADE)                                                  \
     X(double, spring, true, 1, DEM_SPRING_OF)                                                                \
     X(double, roll, rolling, 1, DEM_SPRING_TURN)
 
 typedef struct {
     bool rotation, rolling; /* the grains rotate; some contact resists rolling */
+    bool kinds;             /* have coefficients of their own */
     bool springs_only;      /* pairs whose springs a rebuilding keeps */
     size_t n,
         capacity; /* up to the next multiple of 8 follow pairs of the last i with itself, not touching */

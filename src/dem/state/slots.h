@@ -33,10 +33,9 @@ typedef struct {
 } dem_wall_line;
 
 /* Arrays with an entry for each wall, and one more: type, name. start, next: the first slot, and the first
- * that a step has still to do; wall: of the definition; force: on the wall; mu: finite stand-in for an
- * infinite one; line: where the wall is now. */
+ * that a step has still to do; wall: of the definition; force: on the wall; line: where the wall is now. */
 #define DEM_WALL_ARRAYS(X)                                                                                   \
-    X(dem_wall, wall) X(dem_wall_line, line) X(dem_vec, force) X(double, mu) X(size_t, next) X(size_t, start)
+    X(dem_wall, wall) X(dem_wall_line, line) X(dem_vec, force) X(size_t, next) X(size_t, start)
 
 typedef struct {
     size_t n_slots, capacity;
@@ -91,6 +90,11 @@ void dem_walls_free(dem_walls *walls);
 static inline double dem_finite_mu(double mu)
 {
     return fmin(mu, 1e300);
+}
+
+static inline void dem_finite_limits(dem_material *m)
+{
+    m->mu = dem_finite_mu(m->mu), m->mu_roll = dem_finite_mu(m->mu_roll);
 }
 
 /* Find the first slot of each of n walls, and chain the slots of each of n_grains, with as many numbers of

@@ -19,7 +19,6 @@ struct dem_sim {
     dem_loops loops;
     long step, step0; /* step0, time0: where dt has last changed */
     double time0;
-    double mu;           /* of grains: finite stand-in for an infinite one */
     double r_min, r_max; /* of all grains so far */
     bool too_deep;       /* an overlap beyond the smallest radius was seen */
     dem_vec gravity;
@@ -165,7 +164,8 @@ rp_status dem_stop(dem_sim *sim, dem_fault fault, size_t grain, const char *form
 /* Arm of the rolling resistance over R_eff, of coefficients c of a pair or of a wall. */
 static inline double dem_arm_of(const dem_definition *def, const dem_material *c)
 {
-    return def->rolling_arm == DEM_ARM_RADIUS && c == &def->material ? 2.0 : 1.0;
+    const bool pair = def->pairs ? c < def->pairs + def->n_kinds * def->n_kinds : c == &def->material;
+    return def->rolling_arm == DEM_ARM_RADIUS && pair ? 2.0 : 1.0;
 }
 
 #endif

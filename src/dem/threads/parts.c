@@ -222,7 +222,8 @@ static bool start_part(dem_part *part, const dem_sim *sim)
     struct dem_share *own = part->share = calloc(1, sizeof *own);
     if (!own) return false;
     part->found.springs_only = true;
-    part->before = part->after = (dem_pairs){.rotation = sim->pairs.rotation, .rolling = sim->pairs.rolling};
+    part->before = part->after = (dem_pairs){
+        .rotation = sim->pairs.rotation, .rolling = sim->pairs.rolling, .kinds = sim->pairs.kinds};
     own->slot = calloc(2 * (sim->def.n_walls + 1), sizeof *own->slot);
     own->wall_force = calloc(sim->def.n_walls + 1, sizeof *own->wall_force);
     own->next = own->slot + sim->def.n_walls + 1;
