@@ -28,6 +28,7 @@
     X(suite_expression)                                                                                      \
     X(suite_experiment)                                                                                      \
     X(suite_actions)                                                                                         \
+    X(suite_mixing)                                                                                          \
     X(suite_fills)                                                                                           \
     X(suite_material)                                                                                        \
     X(suite_kinds)                                                                                           \

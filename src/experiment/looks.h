@@ -16,7 +16,7 @@ const dem_state *exp_states(exp_run *run);
 const dem_contact *exp_contacts(exp_run *run, size_t *n); /* the same of the contacts, none after a failure */
 void exp_mark(exp_run *run);
 
-/* The grains of a scope at this look: of a region, or of a kind. */
+/* The grains of a scope at this look: of a region, of a kind, or of both. */
 typedef struct {
     bool all, circle;
     size_t n_points;       /* of a polygon */

@@ -19,6 +19,8 @@ const exp_scope *exp_scope_named(const exp_plan *plan, unsigned sorts, const cha
     return NULL;
 }
 
+enum { BOTH = EXP_REGION | EXP_KIND };
+
 /* Of what an observable may be asked after a name of this sort; EXP_ALL: without one. */
 static unsigned asked_of(int sort)
 {
@@ -26,7 +28,23 @@ static unsigned asked_of(int sort)
            : sort == EXP_REGION ? OF_REGION
            : sort == EXP_WALL   ? OF_WALL
            : sort == EXP_KIND   ? OF_GRAINS
+           : sort == BOTH       ? OF_GRAINS | OF_KIND_IN
                                 : 0;
+}
+
+/* What a name is of, and the observable's name in it: NAME, REGION.NAME, KIND.NAME, WALL.NAME, or of a kind
+ * in a region REGION.KIND.NAME or KIND.REGION.NAME. False: it begins with another name. */
+static bool split(const exp_plan *plan, const char *name, exp_scope *scope, const char **observable)
+{
+    *scope = (exp_scope){.sort = EXP_ALL}, *observable = name;
+    for (const char *dot; (dot = strchr(*observable, '.')); *observable = dot + 1) {
+        const exp_scope *s =
+            exp_scope_named(plan, EXP_SCOPES, *observable, (size_t)(dot - *observable), NULL);
+        if (!s || (scope->sort && (scope->sort ^ s->sort) != BOTH)) return false;
+        scope->sort |= s->sort;
+        *(s->sort == EXP_KIND ? &scope->kind : &scope->index) = s->index;
+    }
+    return true;
 }
 
 const exp_observable *exp_observable_named(const char *name, unsigned of)
@@ -46,7 +64,7 @@ static rp_status use(exp_plan *plan, const exp_observable *o, exp_scope scope, c
                        o->most ? "%s: %d to %d numbers in brackets expected"
                                : "%s: takes nothing in brackets",
                        name, o->least, o->most);
-    const exp_region *r = o->of == OF_REGION ? &plan->regions[scope.index] : NULL;
+    const exp_region *r = (o->of & OF_PART) == OF_REGION ? &plan->regions[scope.index] : NULL;
     for (int k = 0; r && k < 4 && !r->circle && !r->n_points; k++)
         if (r->at[k].x.known && isinf(r->at[k].x.value))
             return rp_fail(RP_BAD_INPUT, "%s: over the area of a region, whose x and y have two ends", name);
@@ -169,17 +187,18 @@ static rp_status find(void *host, const char *name, int n_args, rp_x_symbol *sym
 {
     exp_place *place = host;
     exp_plan *plan = place->plan;
-    const char *dot = strchr(name, '.');
-    const exp_scope all = {.sort = EXP_ALL},
-                    *scope = dot ? exp_scope_named(plan, EXP_SCOPES, name, (size_t)(dot - name), NULL) : &all;
+    const bool dot = strchr(name, '.');
+    const char *alone;
+    exp_scope scope;
+    const bool of_scope = split(plan, name, &scope, &alone);
     const exp_observable *o =
         place->of_grain && n_args < 0 && !dot ? exp_observable_named(name, OF_NEW) : NULL;
     if (!o && !dot) RP_TRY(rp_lets_find(&plan->text->lets, name, n_args, symbol, known));
     if (*known) return check_alone(place, "a constant", name);
-    if (!o && scope) o = exp_observable_named(dot ? dot + 1 : name, asked_of(scope->sort));
+    if (!o && of_scope) o = exp_observable_named(alone, asked_of(scope.sort));
     if (o && place->lets_alone) return rp_fail(RP_BAD_INPUT, "%s is not known before the run", name);
     if (o && !dot) RP_TRY(check_alone(place, "an observable", name));
-    if (o) return *known = true, use(plan, o, *scope, name, n_args, symbol);
+    if (o) return *known = true, use(plan, o, scope, name, n_args, symbol);
     return n_args < 0 && !place->lets_alone ? find_measure(place, name, symbol, known) : RP_OK;
 }
 
@@ -191,9 +210,14 @@ static void list(void *host, rp_guess *guess)
     rp_lets_list(&plan->text->lets, guess);
     for (const exp_observable *o = exp_observables; o->name; o++) {
         if (o->of & (asked_of(EXP_ALL) | (place->of_grain ? OF_NEW : 0))) rp_guess_try(guess, o->name);
-        for (const exp_scope *s = plan->scopes; plan->n_scopes && s < plan->scopes + plan->n_scopes; s++)
+        for (const exp_scope *s = plan->scopes; plan->n_scopes && s < plan->scopes + plan->n_scopes; s++) {
             if (o->of & asked_of(s->sort))
                 snprintf(name, sizeof name, "%s.%s", s->name, o->name), rp_guess_try(guess, name);
+            for (const exp_scope *in = plan->scopes; in < plan->scopes + plan->n_scopes; in++)
+                if ((s->sort ^ in->sort) == BOTH && (o->of & asked_of(BOTH)))
+                    snprintf(name, sizeof name, "%s.%s.%s", in->name, s->name, o->name),
+                        rp_guess_try(guess, name);
+        }
     }
     for (size_t k = 0; k < plan->n_outputs; k++) rp_guess_try(guess, plan->outputs[k].name);
 }
@@ -201,7 +225,7 @@ static void list(void *host, rp_guess *guess)
 /* Known numbers of observables: of `moved` alone. */
 static rp_status call(void *host, const char *name, int n, const double args[], double *value, bool *known)
 {
-    const char *dot = strchr(name, '.');
+    const char *dot = strrchr(name, '.');
     (void)host, (void)n, (void)value, (void)known;
     return strcmp(dot ? dot + 1 : name, "moved") == 0 && args[0] < 0.0
                ? rp_fail(RP_BAD_INPUT, "moved(%g): a distance of 0 or more expected", args[0])
@@ -280,6 +304,7 @@ rp_status exp_find(const exp_plan *plan, int sort, const config_setting_t *group
 {
     static const char *const none[] = {[EXP_REGION] = "no such region",
                                        [EXP_WALL] = "no wall has this name",
+                                       [EXP_KIND] = "no grains of this kind",
                                        [EXP_PHASE] = "no such phase",
                                        [EXP_MEASURE] = "no earlier measure has this name"};
     rp_guess guess = rp_guess_of(name);

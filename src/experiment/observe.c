@@ -34,8 +34,8 @@ const char *exp_region_fault(const exp_within *a)
 
 exp_within exp_within_now(exp_run *run, const exp_scope *scope)
 {
-    exp_within a = {.all = scope->sort != EXP_REGION};
-    if (scope->sort == EXP_KIND) a.kinds = run->kinds, a.kind = (uint32_t)scope->index;
+    exp_within a = {.all = !(scope->sort & EXP_REGION)};
+    if (scope->sort & EXP_KIND) a.kinds = run->kinds, a.kind = (uint32_t)scope->kind;
     if (a.all) return a;
     const exp_region *r = &run->plan->regions[scope->index];
     a.circle = r->circle;
@@ -408,7 +408,7 @@ static double wall_force(exp_run *run, const exp_use *use, int component)
     X(OF_REGION, sxx, 0, 0, RP_X_NUMBER, "dyn/cm", "stress: sum of branch vector times force over area, of contacts whose branch has its middle there; compression positive", over_contacts(run, use).xx / area_now(run, use)) \
     X(OF_REGION, sxy, 0, 0, RP_X_NUMBER, "dyn/cm", "its mixed component, the mean of the two", over_contacts(run, use).xy / area_now(run, use)) \
     X(OF_REGION, syy, 0, 0, RP_X_NUMBER, "dyn/cm", "its component along y", over_contacts(run, use).yy / area_now(run, use)) \
-    X(OF_REGION, fraction, 0, 0, RP_X_NUMBER, "", "area of the grains over that of the region; of those that its boundary cuts, the part within", content(run, use, false) / area_now(run, use)) \
+    X(OF_FILLED, fraction, 0, 0, RP_X_NUMBER, "", "area of the grains, also of a kind of them, over that of the region; of those that its boundary cuts, the part within", content(run, use, false) / area_now(run, use)) \
     X(OF_WALL, x, 0, 0, RP_X_NUMBER, "cm", "middle of the wall by its length, nan of one that is gone; of one without an end its point", wall_place(run, use, 0)) \
     X(OF_WALL, y, 0, 0, RP_X_NUMBER, "cm", "middle of the wall by its length, nan of one that is gone; of one without an end its point", wall_place(run, use, 1)) \
     X(OF_WALL, vx, 0, 0, RP_X_NUMBER, "cm/s", "its velocity, in a box that turns 0", wall_now(run, use, 0).velocity[0]) \
@@ -442,11 +442,14 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
     const exp_plan *plan = run->plan;
     const exp_module *module = m->module;
     run->no_region = false;
-    const exp_within in = exp_within_now(run, &m->scope);
+    exp_scope scope = m->scope;
+    if (module->needs & EXP_OF_KIND) scope.sort &= ~(unsigned)EXP_KIND;
+    const exp_within in = exp_within_now(run, &scope);
     if (run->no_region) return rp_fail(RP_NO_RESULT, "the region is faulty");
     exp_samples *samples = &run->samples[m - plan->measures];
     exp_view view = {.d = plan->d,
                      .m = plan->m,
+                     .kind = (uint32_t)m->scope.kind,
                      .sim = run->sim,
                      .mu = exp_laws(run)->mu,
                      .n_marks = run->marks ? run->n_ids : 0,
@@ -466,7 +469,7 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
     view.all = exp_states(run), view.n_all = run->n_states;
     if (run->failed) return run->failed;
     RP_NEW(&memory, grains, view.n_all);
-    for (walk w = walk_over(run, &m->scope); next(&w);) grains[view.n++] = w.s;
+    for (walk w = walk_over(run, &scope); next(&w);) grains[view.n++] = w.s;
     view.grains = grains;
     for (size_t i = 0; i < view.n_all; i++) view.mass += view.all[i].fixed ? 0.0 : view.all[i].m;
     for (int k = 0; k < EXP_MODULE_OUTPUTS; k++) out[k] = NAN;
@@ -482,10 +485,10 @@ exp_word exp_observable_at(size_t k)
     const exp_observable *o = &exp_observables[k];
     if (o->of == OF_NEW) return (exp_word){0}; /* the last, which `add` alone knows */
     return (exp_word){o->name,
-                      o->of & OF_WALL      ? "WALL."
-                      : o->of == OF_REGION ? "REGION."
-                      : o->of & OF_RUN     ? "the run"
-                                           : "all, REGION., KIND.",
+                      o->of & OF_WALL                  ? "WALL."
+                      : (o->of & OF_PART) == OF_REGION ? "REGION."
+                      : o->of & OF_RUN                 ? "the run"
+                                                       : "all, REGION., KIND.",
                       o->unit, o->meaning};
 }
 

@@ -19,10 +19,10 @@ static inline bool exp_given(const exp_expression *e)
 }
 
 /* What a name of the text stands for, by its number among those of its sort; so what an observable is of.
- * Sorts are bits. */
+ * Sorts are bits: of a kind in a region both are set, and index is the region's. */
 typedef struct {
     enum { EXP_ALL = 0, EXP_REGION = 1, EXP_WALL = 2, EXP_KIND = 4, EXP_PHASE = 8, EXP_MEASURE = 16 } sort;
-    size_t index;
+    size_t index, kind;
     const char *name;
 } exp_scope;
 enum { EXP_SCOPES = EXP_REGION | EXP_WALL | EXP_KIND }; /* their names differ from each other's */
@@ -30,7 +30,16 @@ enum { EXP_SCOPES = EXP_REGION | EXP_WALL | EXP_KIND }; /* their names differ fr
 typedef struct exp_use exp_use;
 typedef struct {
     const char *name;
-    enum { OF_RUN = 1, OF_GRAINS = 2, OF_REGION = 4, OF_PART = 6, OF_WALL = 8, OF_NEW = 16 } of; /* sums */
+    enum {
+        OF_RUN = 1,
+        OF_GRAINS = 2,
+        OF_REGION = 4,
+        OF_PART = OF_GRAINS | OF_REGION,
+        OF_WALL = 8,
+        OF_NEW = 16,
+        OF_KIND_IN = 32, /* of a kind in a region, as all of OF_GRAINS */
+        OF_FILLED = OF_REGION | OF_KIND_IN
+    } of;
     int least, most; /* numbers in brackets */
     rp_x_type type;
     const char *unit, *meaning;
@@ -124,7 +133,7 @@ enum { TAKE_VALUE, TAKE_MEAN, TAKE_MAX, TAKE_MIN, TAKE_FIRST, TAKE_RATE, TAKE_AV
 #define EXP_TAKES "value | mean | max | min | first | rate | avalanches | line"
 
 typedef struct {
-    const char *name, *at, *during, *unit, *meaning, *prefix, *in, *wall, *level_of;
+    const char *name, *at, *during, *unit, *meaning, *prefix, *in, *kind, *wall, *level_of;
     size_t levels_with;             /* number of that measure, or its own */
     const char *file, *series_unit; /* of its table */
     int take;

@@ -34,6 +34,7 @@ const rp_param exp_measure_schema[] = {
     {"prefix", "", RP_TEXT, IN(prefix), "auto", "",
      "of a module: what its columns' names begin with, which may be nothing; auto: the measure's name"},
     {"in", "", RP_TEXT, IN(in), "", "", "region of a module's grains"},
+    {"kind", "", RP_TEXT, IN(kind), "", "", "kind of a module's grains"},
     {"wall", "", RP_TEXT, IN(wall), "", "", "wall of the modules base and forces"},
     {0}};
 
@@ -125,6 +126,9 @@ static rp_status read_module(exp_plan *plan, const config_setting_t *setting, ex
     if (!m->params) return RP_NO_MEMORY;
     rp_params_defaults(m->module->schema, plan->scene.def.units, m->params);
     RP_TRY(rp_config_peek(setting, m->module->schema, NULL, m->params));
+    for (const rp_param *p = m->module->schema; p->name; p++)
+        if (!p->fallback && !member(setting, p->name))
+            return rp_config_fail(setting, "%s: missing (%s)", p->name, p->meaning);
     const rp_param *from = rp_params_find(m->module->schema, "from"),
                    *to = rp_params_find(m->module->schema, "to");
     const char *params = m->params;
@@ -146,8 +150,15 @@ static rp_status read_scope(const exp_plan *plan, exp_measure *m)
         return rp_config_fail(in, "in: of a module; an expression names its region, as in %s.grains", m->in);
     if (!*m->in && m->module && (m->module->needs & EXP_BOUNDED))
         return rp_config_fail(m->setting, "measure %s: in: missing (a region with two ends in x)", m->name);
-    if (*m->in) m->scope.sort = EXP_REGION;
+    if (*m->kind && !m->module)
+        return rp_config_fail(member(m->setting, "kind"),
+                              "kind: of a module; an expression names it, as in %s.grains", m->kind);
+    m->scope.sort = (*m->in ? EXP_REGION : 0) | (*m->kind ? EXP_KIND : 0);
     RP_TRY(exp_find(plan, EXP_REGION, m->setting, "in", m->in, &m->scope.index));
+    RP_TRY(exp_find(plan, EXP_KIND, m->setting, "kind", m->kind, &m->scope.kind));
+    if (!*m->kind && m->module && (m->module->needs & EXP_OF_KIND))
+        return rp_config_fail(m->setting, "measure %s: kind: missing (which grains are told from the others)",
+                              m->name);
     const exp_region *r = *m->in ? &plan->regions[m->scope.index] : NULL;
     const bool by_ends = m->module && (m->module->add || m->module->needs & EXP_BOUNDED);
     const int ends = !by_ends || !r ? 0 : m->module->add ? 4 : 2;
@@ -202,7 +213,7 @@ static rp_status read_when(exp_plan *plan, exp_measure *m)
 /* The unit of an observable that stands alone; NULL: it is another expression. */
 static const char *unit_named(rp_units units, const char *of)
 {
-    const char *dot = of ? strchr(of, '.') : NULL;
+    const char *dot = of ? strrchr(of, '.') : NULL;
     const exp_observable *o = of ? exp_observable_named(dot ? dot + 1 : of, ~(unsigned)OF_NEW) : NULL;
     return o ? rp_unit(units, o->unit) : NULL;
 }

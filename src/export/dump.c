@@ -1,4 +1,5 @@
 /* Frames as LAMMPS dumps; see export.h. */
+#include <stdlib.h>
 #include <string.h>
 
 #include "export/export.h"
@@ -28,6 +29,12 @@ static void write_head(const export_run *run, size_t frame, const char *of, size
             RP_SHORT(-run->largest), RP_SHORT(run->largest));
 }
 
+/* The kind; of grains some of which have none, one more. */
+static long type_of(const export_run *run, size_t row)
+{
+    return run->kind < 0 ? 1 : run->first_type + atol(rp_cell(run->grains.table, row, run->kind));
+}
+
 static void write_grains(const export_run *run, FILE *out)
 {
     for (size_t k = 0; k < run->grains.n; k++) {
@@ -38,7 +45,7 @@ static void write_grains(const export_run *run, FILE *out)
         fputc('\n', out);
         for (size_t i = first; i < end; i++) {
             export_frame_id(run, k, i, out);
-            fputs(" 1", out);
+            fprintf(out, " %ld", type_of(run, i));
             write_values(run, i, out);
         }
     }

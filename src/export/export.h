@@ -35,7 +35,8 @@ enum { EXPORT_MOST_FIELDS = 64 };
 typedef struct {
     rp_arena *arena;
     export_frames grains, contacts, walls;
-    int id, x, y, r; /* of the grains; id -1: their number in the frame */
+    int id, x, y, r, kind; /* of the grains; id -1: their number in the frame; kind -1: none */
+    int first_type;        /* LAMMPS' of kind 0: it counts from 1 */
     size_t n_fields;
     export_field fields[EXPORT_MOST_FIELDS]; /* of the grains, `r` first, without step, t, id, x, y */
     double box[2][2];                        /* least and largest x, y of all grains with their radii */

@@ -136,6 +136,7 @@ static rp_status find_grains(rp_arena *arena, export_run *run, const char *names
     RP_TRY(rp_table_find(t, "y", "y", &run->y));
     RP_TRY(rp_table_find(t, "r", "r", &run->r));
     run->id = rp_table_column(t, "id");
+    run->kind = rp_table_column(t, "kind");
     RP_TRY(rp_columns(arena, t, names, &n, &columns));
     RP_TRY(add_field(run, run->r));
     for (size_t c = 0; c < n; c++)
@@ -150,6 +151,7 @@ static rp_status find_grains(rp_arena *arena, export_run *run, const char *names
             run->box[k][1] = fmax(run->box[k][1], v[k] + v[2]);
         }
         run->largest = fmax(run->largest, v[2]);
+        if (run->kind >= 0) run->first_type |= atol(rp_cell(t, i, run->kind)) == 0;
     }
     return RP_OK;
 }

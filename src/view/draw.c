@@ -13,6 +13,7 @@ static const double LEFT = 1.8, RIGHT = 0.7, COLOUR_BAR = 3.1, TOP = 1.4, BOTTOM
 static const double LOW = 4.0, ROOM = 0.5, PANEL = 3.2, TALLEST = 14.0, FLATTEST = 1.2, NARROWEST = 11.0,
                     FLATTEST_BAR = 2.2; /* of the bar of colours beside its label */
 static const double PER_CM = 37.8;      /* of lines' widths */
+static const double LETTER = 0.2;       /* width, cm */
 static const char WALL[] = "#404040", PRESS[] = "#0072b2", PULL[] = "#d55e00";
 
 /* Colours of the figures too: gnuplot reads the file that is included here. */
@@ -141,17 +142,34 @@ static rp_status measure(rp_arena *arena, const view_frame *f, const view_style 
     return status;
 }
 
-/* The picture's size follows from the window's; lengths on paper are those of the plot. */
-static void lay_out(const view_style *style, view_scale *s)
+/* The next of the names of kinds; false: there is none. */
+static bool next_kind(const char **names, char name[32])
 {
-    const double right = *style->color ? COLOUR_BAR : RIGHT, least = *style->color ? FLATTEST_BAR : FLATTEST;
+    int length = 0;
+    const bool found = sscanf(*names, "%31s%n", name, &length) == 1;
+    return *names += length, found;
+}
+
+/* What names of kinds need beside the bar, which has room for a number. */
+static double beside_bar(const char *kinds)
+{
+    double most = 0.0;
+    for (char name[32]; kinds && next_kind(&kinds, name);) most = fmax(most, (double)strlen(name));
+    return LETTER * fmax(most - 5.0, 0.0);
+}
+
+/* The picture's size follows from the window's; lengths on paper are those of the plot. */
+static void lay_out(const view_scene *scene, const view_style *style, view_scale *s)
+{
+    const double right = *style->color ? COLOUR_BAR + beside_bar(scene->kinds) : RIGHT,
+                 least = *style->color ? FLATTEST_BAR : FLATTEST;
     s->panel = style->base ? PANEL : 0.0;
     double width = style->width - LEFT - right, x = s->window[1] - s->window[0],
            y = s->window[3] - s->window[2];
     if (y * width < least * x) s->window[3] = s->window[2] + (y = least * x / width);
     if (y * width > TALLEST * x) width = fmax(TALLEST * x / y, NARROWEST - LEFT - right);
     s->per_length = fmin(width / x, TALLEST / y);
-    s->width = width + LEFT + right;
+    s->width = width + LEFT + right, s->right = right;
     s->height = fmin(width * y / x, TALLEST) + TOP + BOTTOM + s->panel;
 }
 
@@ -173,7 +191,7 @@ rp_status view_scale_of(rp_arena *arena, const view_scene *scene, size_t first, 
         return rp_fail(RP_BAD_INPUT, "no window holds the grains: x over %g, y over %g", x, y);
     if ((style->stress || style->base) && !(x * y < MOST_CELLS * s->cell * s->cell))
         return rp_fail(RP_BAD_INPUT, "cell = %g: more than %d cells", s->cell, MOST_CELLS);
-    lay_out(style, s);
+    lay_out(scene, style, s);
     const size_t n = last - first + 1;
     double *force = rp_arena_memory(arena, 3 * n, sizeof *force), *stress = force + n, *pressure = stress + n;
     for (size_t k = 0; k < n; k++) {
@@ -315,21 +333,47 @@ static void put_palette(const view_scene *scene, const view_style *style, const 
     if (power || height < LOW) put_marks(out, "cb", lo, hi, step, power);
 }
 
+/* Kinds have a colour each, and their names beside it; white are grains without one. */
+static void put_kinds(const char *kinds, const view_scale *s, FILE *out)
+{
+    static const char *const hues[] = {"#ffffff", "#56b4e9", "#e69f00", "#009e73", "#f0e442",
+                                       "#cc79a7", "#0072b2", "#d55e00", "#999999"};
+    enum { MOST = sizeof hues / sizeof *hues - 1 };
+    const int first = s->value[0] > 0.0;
+    int n = first;
+    char name[32];
+    fputs("set termoption noenhanced\nset cbtics scale 0 (", out);
+    if (!first) fputs("'none' 0", out);
+    for (n = 0; next_kind(&kinds, name);) {
+        fputs(n++ || !first ? ", " : "", out);
+        put_quoted(out, "%s", name);
+        fprintf(out, " %d", n);
+    }
+    fputs(")\nset palette defined (", out);
+    for (int k = first; k <= n; k++)
+        for (int end = 0; end < 2; end++)
+            fprintf(out, "%s%g '%s'", k > first || end ? ", " : "", k + end - 0.5,
+                    hues[k ? (k - 1) % MOST + 1 : 0]);
+    fprintf(out, ")\nset cbrange [%g:%g]\nset cblabel 'kind' offset 1\n", first - 0.5, n + 0.5);
+}
+
 void view_draw_start(const view_scene *scene, const view_style *style, const view_scale *s, FILE *out)
 {
     fprintf(out,
             "set border lw 0.7\nset tics scale 0.6 nomirror out\nset grid lw 0.3 lc rgb '#d8d8d8'\n"
             "set xrange [%.17g:%.17g]\nset style fill solid border lc rgb '%s'\n"
             "set lmargin at screen %.5f\nset rmargin at screen %.5f\n",
-            s->window[0], s->window[1], find_colours().outline, LEFT / s->width,
-            1.0 - (*style->color ? COLOUR_BAR : RIGHT) / s->width);
+            s->window[0], s->window[1], find_colours().outline, LEFT / s->width, 1.0 - s->right / s->width);
     const int power = power_of_window(s);
     put_label(out, "xlabel", "x", scene->length, power);
     if (power)
         put_marks(out, "x", s->window[0], s->window[1], round_step((s->window[1] - s->window[0]) / 8.0),
                   power);
     put_chains(style, s, out);
-    if (*style->color) put_palette(scene, style, s, out);
+    if (scene->kinds)
+        put_kinds(scene->kinds, s, out);
+    else if (*style->color)
+        put_palette(scene, style, s, out);
 }
 
 static void put_contacts(const view_frame *f, const view_scale *s, FILE *out)
@@ -541,7 +585,7 @@ rp_status view_draw(rp_arena *arena, const view_scene *scene, const view_frame *
             s->window[2], s->window[3], 1.0 - TOP / s->height, (BOTTOM + s->panel) / s->height);
     if (*style->color) /* as far from the plot, and as wide, in pictures of all sizes */
         fprintf(out, "set colorbox user origin %.5f, %.5f size %.5f, %.5f\n",
-                1.0 - (COLOUR_BAR - 0.4) / s->width, (BOTTOM + s->panel) / s->height, 0.5 / s->width,
+                1.0 - (s->right - 0.4) / s->width, (BOTTOM + s->panel) / s->height, 0.5 / s->width,
                 1.0 - (TOP + BOTTOM + s->panel) / s->height);
     put_label(out, "ylabel", "y", scene->length, power);
     put_circles(style, s, any_fixed, out);

@@ -14,6 +14,7 @@ typedef struct {
     size_t n; /* rows */
     double *column[MOST];
     char unit[MOST][32];
+    const char *kinds; /* names in its header */
 } numbers;
 
 /* A table without rows is empty, whatever its columns, and so is one that is not there, of path NULL. */
@@ -24,6 +25,8 @@ static rp_status read_numbers(rp_arena *arena, const char *path, const char *con
     *out = (numbers){0};
     if (path) RP_TRY(rp_table_read(path, &t));
     out->n = t.n_rows;
+    const char *kinds = t.n_rows ? rp_table_find_note(&t, "kinds") : NULL;
+    if (kinds) out->kinds = rp_text(arena, "%s", kinds);
     for (size_t k = 0; names[k] && t.n_rows > 0; k++) {
         const bool optional = *names[k] == '?';
         int column = rp_table_column(&t, names[k] + optional);
@@ -120,6 +123,7 @@ static rp_status add_source(rp_arena *arena, const char *path, const char *color
             return rp_fail(RP_BAD_INPUT, "%s: row %zu: x, y and a radius above 0 expected", path, k + 1);
     snprintf(scene->length, sizeof scene->length, "%s", g.unit[2]);
     snprintf(scene->time, sizeof scene->time, "%s", g.unit[1]);
+    if (strcmp(color, "kind") == 0) scene->kinds = g.kinds;
     if (*color) snprintf(scene->quantity, sizeof scene->quantity, "%s", g.unit[6]);
     const export_frames grains = split(arena, &g), of_contacts = split(arena, &c),
                         of_walls = split(arena, &w);

@@ -37,6 +37,7 @@ typedef struct {
     size_t n;
     view_frame *frames;                                 /* by rising step */
     char length[32], force[32], time[32], quantity[32]; /* units; "1": none */
+    const char *kinds; /* names of the values from 1 on; NULL: these are no kinds */
 } view_scene;
 
 /* All frames of a folder or table; `color`: column of the values, "" for none. Errors: RP_BAD_INPUT. */
@@ -58,7 +59,7 @@ typedef struct {
 typedef struct {
     double window[4];
     double force, stress, pressure, value[2]; /* largest; least and largest */
-    double width, height, panel;              /* cm: the picture; its lower panel */
+    double width, height, panel, right;       /* cm: the picture; its lower panel; right of the plot */
     double radius;                            /* mean */
     double per_length;                        /* cm on the picture a unit of length */
     double cell, start[2];                    /* cells of stress and bins of the base: size, least x and y */

@@ -86,7 +86,8 @@ static void print_experiment(const cli_call *call)
         print_schema(call, m->schema);
     }
     fprintf(call->out,
-            "# experiment, what expressions may ask for, besides lets and earlier measures: %s\n# %-25s "
+            "# experiment, what expressions may ask for, besides lets and earlier measures: %s. "
+            "What is of KIND. is also of the kind in a region, REGION.KIND. or KIND.REGION.\n# %-25s "
             "%-10s %-14s %s\n",
             rp_expression_functions, "name", "unit", "of", "meaning");
     exp_word w;
@@ -190,7 +191,8 @@ const cli_command cmd_params = {
     "Columns of the tables of a run, which are in the laboratory frame:\n"
     "  states.tsv    step, t (s), id, x, y (cm), angle (rad), vx, vy (cm/s),\n"
     "                omega (rad/s), net force fx, fy (dyn), r (cm), m (g), number of\n"
-    "                contacts, whether the grain is fixed\n"
+    "                contacts, whether the grain is fixed; kind, of a scene with kinds:\n"
+    "                its number in the header's line of kinds, 0 for none\n"
     "  contacts.tsv  shear_force acts on the second body, along the centre line from\n"
     "                the first, turned 90 degrees clockwise; shear_spring has the\n"
     "                opposite sign. rolling_torque acts on the first body;\n"

@@ -15,7 +15,7 @@
     X(TEXT, frame, "", "auto", "",                                                                           \
       "last, all, the number of a frame from 0, step=N, or the name of a phase for its end; auto: last, or " \
       "all for an animation")                                                                                \
-    X(TEXT, color, "", "", "", "column of the table of grains by which grains are coloured")                 \
+    X(TEXT, color, "", "", "", "column of the table of grains by which grains are coloured; kind: with their names")                 \
     X(BOOL, stress, "", "false", "", "draw principal stresses as crosses, with attraction in orange")        \
     X(BOOL, base, "", "false", "", "plot the vertical force per length on the base below the picture")       \
     X(REAL, cell, "", "auto", "(0, inf) | auto",                                                             \

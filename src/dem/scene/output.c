@@ -38,6 +38,8 @@
     X("kinetic_per_grain [erg]", n > 0.0 ? (e.kinetic + e.rotational) / n : 0.0) \
     X("rotational [erg]", e.rotational)
 
+#define WITH_KIND(X) STATES(X) X("kind", p->kind)
+
 #define NAME_OF(channel, sign)  NAME(#channel " [erg]", 0)
 #define VALUE_OF(channel, sign) VALUE(0, l.channel)
 #define WITH_LEDGER(X) ENERGIES(X) \
@@ -45,17 +47,26 @@
     X("turnover [erg]", l.turnover) X("residual [erg]", l.residual)
 /* clang-format on */
 
-const char dem_state_columns[] = STATES(NAME) ", index"; /* the last as pandas writes it */
+const char dem_state_columns[] = WITH_KIND(NAME) ", index"; /* the last as pandas writes it */
 
 static void put_row(FILE *out, size_t size, const double *values)
 {
     rp_table_row(out, size / sizeof *values, values);
 }
 
+/* The names of the kinds from number 1 on, in a line of the header; false: there are none. */
+static bool put_kinds(const dem_sim *sim, FILE *out)
+{
+    if (sim->def.n_kinds < 2) return false;
+    fputs("# kinds:", out);
+    for (size_t k = 1; k < sim->def.n_kinds; k++) fprintf(out, " %s", sim->def.kinds[k].name);
+    return fputc('\n', out), true;
+}
+
 void dem_write_columns(dem_table table, const dem_sim *sim, FILE *out)
 {
     switch (table) {
-    case DEM_TABLE_STATES: HEADER(STATES); break;
+    case DEM_TABLE_STATES: put_kinds(sim, out) ? HEADER(WITH_KIND) : HEADER(STATES); break;
     case DEM_TABLE_ENERGY: sim->def.ledger ? HEADER(WITH_LEDGER) : HEADER(ENERGIES); break;
     case DEM_TABLE_CONTACTS: HEADER(CONTACTS); break;
     case DEM_TABLE_WALLS: HEADER(WALLS); break;
@@ -67,7 +78,11 @@ static rp_status write_states(const dem_sim *sim, long step, FILE *out)
     dem_state *states = malloc((dem_count(sim) + 1) * sizeof *states);
     if (!states) return rp_fail(RP_NO_MEMORY, "states: out of memory");
     rp_status status = dem_states(sim, states);
-    for (const dem_state *p = states; !status && p < states + dem_count(sim); p++) ROW(out, STATES);
+    for (const dem_state *p = states; !status && p < states + dem_count(sim); p++)
+        if (sim->def.n_kinds > 1)
+            ROW(out, WITH_KIND);
+        else
+            ROW(out, STATES);
     free(states);
     return status;
 }

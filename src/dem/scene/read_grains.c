@@ -63,13 +63,23 @@ static rp_status read_cell(const rp_table *table, size_t row, int column, const 
                      table->places[row].line);
 }
 
-/* A kind by its name or its number in the scene, as tables of states have it. */
+/* The name of a kind by its number in a table of states, whose header has the names of all. */
+static bool kind_named(const rp_table *table, double number, char name[DEM_NAME_BYTES])
+{
+    const char *names = rp_table_find_note(table, "kinds");
+    for (; names && number > 1.0; number--) names = strchr(names, ' ') ? strchr(names, ' ') + 1 : NULL;
+    return names && number == 1.0 && sscanf(names, "%31s", name) == 1;
+}
+
+/* A kind by its name, or its number in the table's header or in the scene. */
 static rp_status read_kind(const rp_table *table, size_t row, int column, dem_scene *scene, uint32_t *kind)
 {
     const char *cell = rp_cell(table, row, column);
+    char name[DEM_NAME_BYTES];
     double number = 0.0;
     if (dem_is_name(cell)) return dem_number_kind(scene, cell, kind);
     RP_TRY(rp_table_number(table, row, column, false, &number));
+    if (kind_named(table, number, name) && dem_is_name(name)) return dem_number_kind(scene, name, kind);
     *kind = number >= 0.0 && number < fmax((double)scene->def.n_kinds, 1.0) ? (uint32_t)number : 0;
     if ((double)*kind == number) return RP_OK;
     return rp_fail(RP_BAD_INPUT, "%s:%zu: kind = %s: the name of a kind expected, or its number in the scene",

@@ -22,6 +22,7 @@ typedef struct {
     const dem_state *grains;
     double d, m;         /* diameter and mass of the mean grain */
     double lo[2], hi[2]; /* of the region, infinite without */
+    uint32_t kind;       /* that its grains are of, or are told from; 0: any */
     const dem_sim *sim;
     double mass;         /* of all grains that move */
     double mu;           /* of contacts between grains */
@@ -35,8 +36,9 @@ typedef struct {
     const size_t *walls;
 } exp_view;
 
-/* What a module needs, added together: a region with two ends in x, a wall, the contacts. */
-enum { EXP_BOUNDED = 1, EXP_ON_WALL = 2, EXP_ON_CONTACTS = 4 };
+/* What a module needs, added together: a region with two ends in x, a wall, the contacts, a kind, which it
+ * tells from the other grains of its view. */
+enum { EXP_BOUNDED = 1, EXP_ON_WALL = 2, EXP_ON_CONTACTS = 4, EXP_OF_KIND = 8 };
 typedef struct {
     const char *name, *about, *word; /* the word: status of a run for which it has no numbers */
     const rp_param *schema;          /* of the structure below */
@@ -92,7 +94,8 @@ rp_status exp_outline_rays(size_t n, const double x[], const double top[], const
 
 #define EXP_MODULES(X)                                                                                       \
     X(slope)                                                                                                 \
-    X(flanks) X(deposit) X(base) X(order) X(fabric) X(profile) X(surface) X(forces) X(limit) X(motion)
+    X(flanks)                                                                                                \
+    X(deposit) X(base) X(order) X(fabric) X(profile) X(surface) X(forces) X(limit) X(motion) X(mixing)
 #define X(name) extern const exp_module exp_module_##name;
 EXP_MODULES(X)
 #undef X

@@ -62,7 +62,7 @@ static rp_status find_places(const exp_view *s, rp_arena *arena, place *p, size_
     *found = 0;
     for (const dem_state *g = s->all; g < s->all + s->n_all; g++) {
         double x = g->x, y = g->y;
-        if (!mark_of(s, g->id, at)) continue;
+        if (!mark_of(s, g->id, at) || (s->kind && g->kind != s->kind)) continue;
         dem_box_frame(s->sim, &x, &y);
         p[(*found)++] = (place){
             at[0] - s->lo[0],   at[1] - ground,     top[column_of(at[0] - s->lo[0], width, columns)] - at[1],
