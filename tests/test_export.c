@@ -553,6 +553,65 @@ static void test_rolls(void)
     CU_ASSERT(apart[0] < 1.2e-3 && apart[0] > 8.0 * apart[1] && apart[0] < 12.0 * apart[1]);
 }
 
+#define KINDS                                                                                                \
+    "kinds = { hard = { density = 2.0; }; soft = { material = { E = 1.0e7; restitution = 0.5; mu = 0.5; }; " \
+    "}; };\n"                                                                                                \
+    "pairs = ( { of = (\"hard\", \"soft\"); restitution = 0.6; mu = 0.1; },\n"                               \
+    "  { of = (\"hard\", \"box\"); restitution = 0.8; mu = 0.4; },\n"                                        \
+    "  { of = (\"soft\", \"box\"); restitution = 0.4; mu = 0.2; } );\n"
+
+/* Two kinds in a box, with coefficients for each two and for each with the walls. */
+static void test_kinds(void)
+{
+    if (!has_lammps()) return;
+    FILE *f = file_of("two.tsv");
+    fputs("x\ty\tr\tvx\tvy\tkind\n", f);
+    for (int i = 0; i < 30; i++)
+        fprintf(f, "%g\t%g\t%g\t%g\t%g\t%s\n", 0.3 + 0.23 * (i % 5) + 0.01 * (i / 5), 0.12 + 0.21 * (i / 5),
+                0.08 + 0.01 * (i * 7 % 3), -9.7313 * (i % 4), -(41.237 + 0.3173 * i),
+                i % 3 ? "soft" : "hard");
+    fclose(f);
+    write_text("two.cfg",
+               "gravity = [-100.0, -981.0]; dt = 2.0e-5; particles_file = \"two.tsv\";\n" KINDS
+               "normal = { tension = false; }; tangential = { gamma_s = 0.0; damping = \"inside\"; };\n"
+               "material = { E = 3.0e7; nu = 0.3; restitution = 0.7; mu = 0.3; };\n"
+               "walls = ( { name = \"box\"; point = [0.0, 0.0]; direction = [0.0, 1.0]; },\n"
+               "  { name = \"box\"; point = [0.15, 0.0]; direction = [0.96, 0.28]; E = 9.0e7; },\n"
+               "  { name = \"box\"; point = [1.6, 0.0]; direction = [-1.0, 0.0]; } );\n");
+    GOOD("export two.cfg --set steps=1000 --to lammps-input -o two.in");
+    GOOD("run two.cfg --set steps=1000 -o two");
+    CU_ASSERT(readers("lammps_input two"));
+}
+
+/* The coefficients by hand: k_n in series, with the walls' twice the grains'; and types read back as kinds,
+ * of which the scene's order decides. */
+static void test_kinds_written(void)
+{
+    char text[1 << 13];
+    write_text("k.cfg", "dt = 1.0e-5; steps = 5; normal = { law = \"linear\"; k_n = 1.0e5; gamma_n = 4.0; "
+                        "tension = false; };\n"
+                        "kinds = { a = { }; b = { k_n = 3.0e5; }; };\n"
+                        "walls = ( { point = [0.0, -8.0]; direction = [0.0, 1.0]; } );\n"
+                        "particles = ( { x = 0.0; y = 0.0; r = 0.25; kind = \"b\"; }, { x = 1.0; y = 0.0; r "
+                        "= 0.125; kind = \"a\"; },\n"
+                        "  { x = 2.0; y = 0.0; r = 0.125; kind = \"b\"; } );\n");
+    GOOD("export k.cfg --to lammps-input -o k.in");
+    slurp("k.in", text, sizeof text);
+    CHECK_PARTS(text, "\n# type 1: kind a\n# type 2: kind b\n", "\npair_coeff 1 1 hooke 100000 4 ",
+                "\npair_coeff 1 2 hooke 150000 4 ", "\npair_coeff 2 2 hooke 300000 4 ",
+                "\nfix wall1_1 type1 wall/gran/region granular hooke 200000 4 ",
+                "\nfix wall1_2 type2 wall/gran/region granular hooke ");
+    slurp("k.data", text, sizeof text);
+    CHECK_PARTS(text, "\n2 atom types\n", "\n1 2 0.5 ", "\n2 1 0.25 ", "\n3 2 0.25 ");
+    write_text("back.cfg",
+               "dt = 1e-5; steps = 0; particles_file = \"k.data\"; kinds = { p = { }; q = { }; };\n");
+    GOOD("run back.cfg -o back --force");
+    scoped_table t = read_table("back/states.tsv");
+    for (int i = 0; i < 3; i++) CU_ASSERT_EQUAL(cell(&t, (size_t)i, "kind"), i == 1 ? 1.0 : 2.0);
+    write_text("back.cfg", "dt = 1e-5; steps = 0; particles_file = \"k.data\"; kinds = { p = { }; };\n");
+    FAILS(65, "k.data:11: type = 2: a number from 1 to 1 expected", "run back.cfg");
+}
+
 /* Fixed grains, the first and the last among them, are held by their numbers. */
 static void test_held(void)
 {
@@ -927,6 +986,6 @@ static void test_package(void)
 
 CHECK_SUITE_WITHIN(export, "export", enter, leave, test_formats, test_sources, test_sweep, test_back,
                    test_long_names, test_errors, test_dump_files, test_vtk_files, test_text_files,
-                   test_lammps_input, test_spins, test_rolls, test_given, test_held, test_input_files,
-                   test_plain_input, test_types, test_laws, test_refused, test_readers, test_random_texts,
-                   test_package)
+                   test_lammps_input, test_spins, test_rolls, test_given, test_kinds, test_kinds_written,
+                   test_held, test_input_files, test_plain_input, test_types, test_laws, test_refused,
+                   test_readers, test_random_texts, test_package)
