@@ -600,7 +600,7 @@ static void test_kinds_written(void)
     CHECK_PARTS(text, "\n# type 1: kind a\n# type 2: kind b\n", "\npair_coeff 1 1 hooke 100000 4 ",
                 "\npair_coeff 1 2 hooke 150000 4 ", "\npair_coeff 2 2 hooke 300000 4 ",
                 "\nfix wall1_1 type1 wall/gran/region granular hooke 200000 4 ",
-                "\nfix wall1_2 type2 wall/gran/region granular hooke ");
+                "\nfix wall1_2 type2 wall/gran/region granular hooke 600000 4 ");
     slurp("k.data", text, sizeof text);
     CHECK_PARTS(text, "\n2 atom types\n", "\n1 2 0.5 ", "\n2 1 0.25 ", "\n3 2 0.25 ");
     write_text("back.cfg",
