@@ -504,6 +504,114 @@ static void test_spins(void)
     }
 }
 
+/* Rolling resistance by itself is that of LAMMPS: spins differ by round-off. With friction the arms of the
+ * slip differ, and so does the way of a grain that slides, rolls and slows, as the overlap: 9e-4 of it. */
+static void test_rolls(void)
+{
+    static const char *const laws[] = {"gamma = 30.0;", "gamma = 0.0; arm = \"radius\";"};
+    double theirs[3], apart[2];
+    if (!has_lammps()) return;
+    for (int k = 0; k < 2; k++) {
+        write_text("rolls.cfg",
+                   "gravity = [-100.0, -981.0]; dt = 1e-6; steps = 40000; rotation = true;\n"
+                   "normal = { law = \"hertz\"; k_n = 2.0e7; gamma_n = 400.0; tension = false; };\n"
+                   "tangential = { law = \"spring\"; k_s = 2.0e6; gamma_s = 0.0; mu = 0.0; damping = "
+                   "\"inside\"; };\n"
+                   "rolling = { mu = 0.1; k = 1e6; %s };\n"
+                   "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },\n"
+                   "  { point = [-0.4, 0.0]; direction = [1.0, 0.0]; } );\n"
+                   "particles = ( { x = 0.0; y = 0.1; r = 0.1; vx = 9.0; vy = -4.0; omega = -20.0; },\n"
+                   "  { x = 0.25; y = 0.13; r = 0.11; vx = -10.0; omega = 70.0; },\n"
+                   "  { x = 0.1; y = 0.32; r = 0.1; vx = 1.0; omega = -40.0; } );\n",
+                   laws[k]);
+        GOOD("export rolls.cfg --to lammps-input -o rolls.in --force");
+        GOOD("run rolls.cfg -o rolls --force");
+        SHELL("lmp -in rolls.in >said && tail -n 3 rolls.lammpstrj | awk '{ print $NF }' >out");
+        CU_ASSERT(sscanf(out, "%lf %lf %lf", &theirs[0], &theirs[1], &theirs[2]) == 3);
+        scoped_table ours = read_table("rolls/states.tsv");
+        for (int i = 0; i < 3; i++) CU_ASSERT(fabs(cell(&ours, (size_t)i, "omega") - theirs[i]) < 1e-6);
+    }
+    for (int k = 0; k < 2; k++) {
+        const char *stiff =
+            k ? "4.1e5" : "4.1e4"; /* overlaps of a thousandth of the radius, and a tenth of it */
+        write_text(
+            "slows.cfg",
+            "dt = 5e-6; steps = 20000; rotation = true;\n"
+            "normal = { law = \"linear\"; k_n = %s; gamma_n = 400.0; tension = false; };\n"
+            "tangential = { law = \"spring\"; k_s = %s; gamma_s = 0.0; mu = 0.4; damping = \"inside\"; };\n"
+            "rolling = { mu = 0.05; gamma = 100.0; };\n"
+            "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; k_n = %s; } );\n"
+            "particles = ( { x = 0.0; y = 0.1; r = 0.1; vx = 9.0; } );\n",
+            stiff, stiff, stiff);
+        GOOD("export slows.cfg --to lammps-input -o slows.in --force");
+        GOOD("run slows.cfg -o slows --force");
+        SHELL("lmp -in slows.in >said && tail -n 1 slows.lammpstrj | awk '{ print $3 }' >out");
+        scoped_table ours = read_table("slows/states.tsv");
+        CU_ASSERT(sscanf(out, "%lf", theirs) == 1 && *theirs > 0.4);
+        apart[k] = fabs(cell(&ours, 0, "x") - *theirs) / *theirs;
+    }
+    CU_ASSERT(apart[0] < 1.2e-3 && apart[0] > 8.0 * apart[1] && apart[0] < 12.0 * apart[1]);
+}
+
+#define KINDS                                                                                                \
+    "kinds = { hard = { density = 2.0; }; soft = { material = { E = 1.0e7; restitution = 0.5; mu = 0.5; }; " \
+    "}; };\n"                                                                                                \
+    "pairs = ( { of = (\"hard\", \"soft\"); restitution = 0.6; mu = 0.1; },\n"                               \
+    "  { of = (\"hard\", \"box\"); restitution = 0.8; mu = 0.4; },\n"                                        \
+    "  { of = (\"soft\", \"box\"); restitution = 0.4; mu = 0.2; } );\n"
+
+/* Two kinds in a box, with coefficients for each two and for each with the walls. */
+static void test_kinds(void)
+{
+    if (!has_lammps()) return;
+    FILE *f = file_of("two.tsv");
+    fputs("x\ty\tr\tvx\tvy\tkind\n", f);
+    for (int i = 0; i < 30; i++)
+        fprintf(f, "%g\t%g\t%g\t%g\t%g\t%s\n", 0.3 + 0.23 * (i % 5) + 0.01 * (i / 5), 0.12 + 0.21 * (i / 5),
+                0.08 + 0.01 * (i * 7 % 3), -9.7313 * (i % 4), -(41.237 + 0.3173 * i),
+                i % 3 ? "soft" : "hard");
+    fclose(f);
+    write_text("two.cfg",
+               "gravity = [-100.0, -981.0]; dt = 2.0e-5; particles_file = \"two.tsv\";\n" KINDS
+               "normal = { tension = false; }; tangential = { gamma_s = 0.0; damping = \"inside\"; };\n"
+               "material = { E = 3.0e7; nu = 0.3; restitution = 0.7; mu = 0.3; };\n"
+               "walls = ( { name = \"box\"; point = [0.0, 0.0]; direction = [0.0, 1.0]; },\n"
+               "  { name = \"box\"; point = [0.15, 0.0]; direction = [0.96, 0.28]; E = 9.0e7; },\n"
+               "  { name = \"box\"; point = [1.6, 0.0]; direction = [-1.0, 0.0]; } );\n");
+    GOOD("export two.cfg --set steps=1000 --to lammps-input -o two.in");
+    GOOD("run two.cfg --set steps=1000 -o two");
+    CU_ASSERT(readers("lammps_input two"));
+}
+
+/* The coefficients by hand: k_n in series, with the walls' twice the grains'; and types read back as kinds,
+ * of which the scene's order decides. */
+static void test_kinds_written(void)
+{
+    char text[1 << 13];
+    write_text("k.cfg", "dt = 1.0e-5; steps = 5; normal = { law = \"linear\"; k_n = 1.0e5; gamma_n = 4.0; "
+                        "tension = false; };\n"
+                        "kinds = { a = { }; b = { k_n = 3.0e5; }; };\n"
+                        "walls = ( { point = [0.0, -8.0]; direction = [0.0, 1.0]; } );\n"
+                        "particles = ( { x = 0.0; y = 0.0; r = 0.25; kind = \"b\"; }, { x = 1.0; y = 0.0; r "
+                        "= 0.125; kind = \"a\"; },\n"
+                        "  { x = 2.0; y = 0.0; r = 0.125; kind = \"b\"; } );\n");
+    GOOD("export k.cfg --to lammps-input -o k.in");
+    slurp("k.in", text, sizeof text);
+    CHECK_PARTS(text, "\n# type 1: kind a\n# type 2: kind b\n", "\npair_coeff 1 1 hooke 100000 4 ",
+                "\npair_coeff 1 2 hooke 150000 4 ", "\npair_coeff 2 2 hooke 300000 4 ",
+                "\nfix wall1_1 type1 wall/gran/region granular hooke 200000 4 ",
+                "\nfix wall1_2 type2 wall/gran/region granular hooke 600000 4 ");
+    slurp("k.data", text, sizeof text);
+    CHECK_PARTS(text, "\n2 atom types\n", "\n1 2 0.5 ", "\n2 1 0.25 ", "\n3 2 0.25 ");
+    write_text("back.cfg",
+               "dt = 1e-5; steps = 0; particles_file = \"k.data\"; kinds = { p = { }; q = { }; };\n");
+    GOOD("run back.cfg -o back --force");
+    scoped_table t = read_table("back/states.tsv");
+    for (int i = 0; i < 3; i++) CU_ASSERT_EQUAL(cell(&t, (size_t)i, "kind"), i == 1 ? 1.0 : 2.0);
+    write_text("back.cfg", "dt = 1e-5; steps = 0; particles_file = \"k.data\"; kinds = { p = { }; };\n");
+    FAILS(65, "k.data:11: type = 2: a number from 1 to 1 expected", "run back.cfg");
+}
+
 /* Fixed grains, the first and the last among them, are held by their numbers. */
 static void test_held(void)
 {
@@ -513,6 +621,42 @@ static void test_held(void)
     GOOD("export held.cfg --to lammps-input -o held.in");
     SHELL("grep '^group fixed' held.in >out");
     CU_ASSERT_STRING_EQUAL(out, "group fixed id 1\ngroup fixed id 3\n");
+}
+
+/* Columns of the grains that a file gives, without a step. */
+#define PLACES "4-5,7-9,12" /* x y vx vy omega r */
+static void grains_of(const char *file, const char *columns, char grains[4096])
+{
+    write_text("given.cfg", "rotation = true; dt = 1e-5; steps = 0; particles_file = \"%s\";", file);
+    GOOD("run given.cfg");
+    SHELL(check_text("grep -v '^#' out | cut -f %s >grains", columns));
+    slurp("grains", grains, 4096);
+}
+
+/* A run, as its table has it and as LAMMPS would, is the same grains; so is a scene that LAMMPS has read and
+ * written again, but for angles and, by way of a density, the last bit of a mass. */
+static void test_given(void)
+{
+    char first[4096], again[4096];
+    write_run();
+    GOOD("export pile --to lammps -o pile.lammpstrj");
+    grains_of("pile/states.tsv", "3-15", first);
+    grains_of("pile.lammpstrj", "3-15", again);
+    CU_ASSERT_STRING_EQUAL(first, again);
+    CU_ASSERT(strstr(first, "\t0.09\t") && strchr(first, '\n') != strrchr(first, '\n'));
+    write_text("in.cfg", "dt = 1e-5; rotation = true; normal = { tension = false; };\n"
+                         "particles_file = \"pile.lammpstrj\"; particles_step = 250;\n");
+    GOOD("run in.cfg --set steps=0 -o in");
+    grains_of("in/states.tsv", PLACES, first);
+    GOOD("export in.cfg --to lammps-input -o in.in");
+    grains_of("in.data", PLACES, again);
+    CU_ASSERT_STRING_EQUAL(first, again);
+    if (!has("command -v lmp", "LAMMPS", check_skip)) return;
+    SHELL("echo 'write_data again.data' >>in.in && lmp -in in.in -var steps 0 >said");
+    grains_of("again.data", PLACES, again);
+    CU_ASSERT_STRING_EQUAL(first, again);
+    grains_of("in.lammpstrj", PLACES, again);
+    CU_ASSERT_STRING_EQUAL(first, again);
 }
 
 /* The input by hand: Hertz' k is 1e5/sqrt(R_eff), with R_eff = 1/32, 1/20 and 1/8 of pairs, and the radius at
@@ -635,7 +779,13 @@ static void test_types(void)
     GOOD("export s.cfg --to lammps-input -o s.in");
     CU_ASSERT(shell("grep -c pair_coeff s.in >out") == 0 && strcmp(out, "300\n") == 0);
     write_text("g.tsv", "%s25\t0\t0.5\n", grains);
-    FAILS(65, "each radius is a type, at most 24", "export s.cfg --to lammps-input -o t.in");
+    FAILS(65, "each radius is a type of LAMMPS, at most 24;", "export s.cfg --to lammps-input -o t.in");
+#define ROLLS "--set normal.law=linear --set rotation=true --set tangential.law=spring --set rolling.mu=0.1 "
+    FAILS(65, "normal.law = \"linear\", rolling.gamma: each radius and mass is a type of LAMMPS, at most 24;",
+          "export s.cfg " ROLLS
+          "--set rolling.gamma=1 --set tangential.damping=inside --to lammps-input -o t.in");
+    GOOD("export s.cfg " ROLLS
+         "--set rolling.gamma=0 --set tangential.damping=inside --to lammps-input -o t.in");
 }
 
 static void export_law(const char *laws, const char *name, const char *lammps, const char *before)
@@ -680,12 +830,15 @@ static void test_refused(void)
 {
     static const char *const refused[][2] = {
         {"integrator=gear5", "integrator: LAMMPS steps as"},
-        {"rotation=true --set rolling.mu=0.1", "rolling.mu = 0.1"},
+        {"rotation=true --set rolling.mu=infinite", "rolling.mu = infinite"},
+        {"rotation=true --set rolling.mu=0.1 --set rolling.model=constant", "rolling.model: LAMMPS has"},
+        {"rotation=true --set rolling.mu=0.1 --set tangential.law=mindlin --set tangential.gamma_s=0",
+         "rolling: of this tangential.law"},
         {"normal.tension=true", "normal.tension = true"},
         {"tangential.slip=total", "tangential.slip = \"total\""},
         {"tangential.damping=outside", "tangential.damping = \"outside\""},
         {"tangential.mu=infinite", "tangential.mu = infinite"},
-        {"normal.gamma_n=0", "tangential.gamma_s = 30"},
+        {"normal.gamma_n=0 --set dt=1e-6", "tangential.gamma_s = 30"},
         {"tangential.law=mindlin", "tangential.gamma_s = 30: LAMMPS damps shear"},
         {"particles_file=bed.tsv --set contacts_file=contacts.tsv", "contacts_file: springs"},
         {"x_max=5", "x_max: "},
@@ -713,7 +866,7 @@ static void test_refused(void)
         {"mu = \"infinite\";", "wall 1: tangential.mu = infinite"}};
     for (size_t i = 0; i < sizeof walls / sizeof *walls; i++) {
         write_text("w.cfg",
-                   "particles_file = \"grains.tsv\"; normal = { tension = false; };\n"
+                   "dt = 1e-6; particles_file = \"grains.tsv\"; normal = { tension = false; };\n"
                    "tangential = { law = \"spring\"; mu = 0.1; damping = \"inside\"; };\n"
                    "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; %s } );\n",
                    walls[i][0]);
@@ -733,8 +886,7 @@ static void test_refused(void)
          "tangential.gamma_s = 0.24"},
         {WITH_GRAINS "dt = 1e-6; material = { E = 1e7; nu = 0.3; restitution = 0.1; mu = 0.5; };",
          "normal.gamma_n = 2.77"},
-        {"fill = { N = 30; W = 2.0; H = 8.0; };",
-         "normal.law = \"hertz\": LAMMPS' k_n depends on the radii"}};
+        {"fill = { N = 30; W = 2.0; H = 8.0; };", "normal.law = \"hertz\": each radius is a type of LAMMPS"}};
     CHECK_REFUSED(scenes, "w.cfg", "export w.cfg --to lammps-input -o a.in");
     CU_ASSERT(shell("ls a.in a.data >out 2>err") != 0);
 }
@@ -834,5 +986,6 @@ static void test_package(void)
 
 CHECK_SUITE_WITHIN(export, "export", enter, leave, test_formats, test_sources, test_sweep, test_back,
                    test_long_names, test_errors, test_dump_files, test_vtk_files, test_text_files,
-                   test_lammps_input, test_spins, test_held, test_input_files, test_plain_input, test_types,
-                   test_laws, test_refused, test_readers, test_random_texts, test_package)
+                   test_lammps_input, test_spins, test_rolls, test_given, test_kinds, test_kinds_written,
+                   test_held, test_input_files, test_plain_input, test_types, test_laws, test_refused,
+                   test_readers, test_random_texts, test_package)

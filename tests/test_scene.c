@@ -203,6 +203,91 @@ static void particles_from_table(void)
     folder_remove(folder);
 }
 
+/* ---- particles_file of LAMMPS ---- */
+
+#define DUMP(STEP, N, COLUMNS)                                                                               \
+    "ITEM: TIMESTEP\n" STEP "\nITEM: NUMBER OF ATOMS\n" N "\nITEM: BOX BOUNDS pp ff pp\n-1 3\n0.5 "          \
+    "2.5\n-0.5 0.5\nITEM: ATOMS " COLUMNS "\n"
+#define DATA(STYLE, ROWS)                                                                                    \
+    "made by hand\n\n 3 atoms\n2 atom types\n-1 3 xlo xhi\n\nMasses\n\n1 1\n2 1\n\nAtoms" STYLE "\n\n" ROWS
+
+/* The same three grains: rows in any order, ids with gaps, boxes, diameters, densities, several frames. */
+static void particles_from_lammps(void)
+{
+    static const char *const texts[] = {
+        "x\ty\tr\tvx\tvy\tomega\n0.5\t0.75\t0.125\t4\t-2\t3\n2\t1.5\t0.25\t0\t0\t0\n1\t1\t0.0625\t1\t7\t-1\n",
+        DUMP("0", "3",
+             "id type x y z radius vx vy vz omegax omegay omegaz") "8 2 2 1.5 0 0.25 0 0 0 0 0 0 \n40 1 1 1 "
+                                                                   "0 0.0625 1 7 9 9 9 -1 \n3 1 0.5 0.75 0 "
+                                                                   "0.125 4 -2 0 9 9 3 \n",
+        DUMP("0", "1", "id x y radius") "1 9 9 0.1\nITEM: UNITS\nlj\nITEM: TIME\n0.25\n" DUMP(
+            "20", "3",
+            "diameter ysu radius xs density omegaz vx vy zs id") "9 0.125 0.125 0.375 2 3 4 -2 0.5 3\n9 0.25 "
+                                                                 "0.0625 0.5 2 -1 1 7 0.5 40\n9 0.5 0.25 "
+                                                                 "0.75 2 0 0 0 0.5 8\n",
+        DUMP("20", "3", "id xu xs yu ys diameter vx vy omegaz z") /* a plane anywhere */
+        "3 0.5 9 0.75 9 0.25 4 -2 3 7\r\n8 2 9 1.5 9 0.5 0 0 0 7.0001\r\n40 1 9 1 9 0.125 1 7 -1 7\r\n",
+        DATA(" # sphere",
+             "40 1 0.125 2 1 1 0 0 0 1\n8 1 0.5 2 2 1.5 0 -1 0 0\n3 2 0.25 2 0.5 0.75 0 0 0 0\n\n"
+             "Velocities\n\n3 4 -2 0 0 0 3\n40 1 7 9 9 9 -1\n"),
+        DATA("", "8 1 0.5 2 2 1.5 0\n3 2 0.25 2 0.5 0.75 0\n40 1 0.125 2 1 1 0\n\nVelocities # sphere\n\n"
+                 "8 0 0 0 0 0 0\n40 1 7 0 0 0 -1\n3 4 -2 0 0 0 3\n\nBonds\n\n1 1 3 8\n")};
+    static const char *const bad[][2] = {
+        {"ITEM: TIMESTEP\n0\n", ": no line ITEM: ATOMS"},
+        {"ITEM: TIMESTEP\nnone\n", ":2: a number expected"},
+        {"ITEM: TIMESTEP\n", ":2: a number expected"},
+        {"ITEM: BOX BOUNDS ff ff pp\n0 1\n0 \n0 1\n", ":3: two ends of the box expected"},
+        {DUMP("0", "2", "id x y radius") "1 0 0 0.1\n", ":9: 1 rows below, for 2 atoms"},
+        {DUMP("0", "2", "id x y radius") "1 0 0 0.1\n2 0 ", ":11: 2 cells where 4 are expected"},
+        {DUMP("0", "2", "id x y radius"), ":9: no rows below"},
+        {DUMP("0", "2", "id x y radius") "1 0 0 0.1\n1 1 1 0.1\n", ":11: a second row has the id 1"},
+        {DUMP("0", "1", "id x y radius") "1 0 0 -0.1\n", ":10: r = -0.1: out of range"},
+        {DUMP("0", "1", "id x y radius") "1 0 inf 0.1\n", ":10: column 3 y: \"inf\" is not a finite number"},
+        {DUMP("0", "1", "id x y") "1 0 0\n", ": no column \"radius\"; expected header: id type x y z radius"},
+        {DUMP("0", "1", "id x xs radius") "1 0 0 0.1\n", ": no column \"y\""},
+        {DUMP("0", "1", "x y radius") "0 0 0.1\n", ": no column \"id\""},
+        {DUMP("0", "2", "id x y z radius") "2 1 0 1 0.1\n1 0 0 0 0.1\n",
+         ":10: z = 1, of the first grain 0: grains in one plane expected"},
+        {"ITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS xy xz yz pp pp pp\n0 1 0\n0 1 0\n0 1 0\nITEM: ATOMS id "
+         "xs y "
+         "radius\n1 0 0 0.1\n",
+         ":7: xs of a tilted box"},
+        {DATA(" # atomic", "1 1 0 0 0\n"), ":12: \"Atoms # sphere\" expected"},
+        {DATA(" # sphere", "1 1 0.1 1 0 0 0 0\n"), ":14: 8 cells where 10 are expected"},
+        {DATA(" # sphere", "1 1 0.1 1 0 0 0\n2 1 0.1 1 0 1 0\n"), ":12: 2 rows below, for 3 atoms"},
+        {DATA(" # sphere", "1 1 0.1 1 0 0 0\n2 1 0.1 1 0 1 0\n3 1 0.0 1 1 1 0\n"),
+         ":16: r = 0: out of range"},
+        {DATA(" # sphere", "1 1 1 1 0 0 0\n2 1 1 1 0 2 0\n4 1 1 1 2 2 0\n\nVelocities\n\n3 0 0 0 0 0 0\n"),
+         ":20: no atom has the id 3"}};
+    char folder[FOLDER_PATH], text[128];
+    folder_make("lammps", folder);
+    const char *file = folder_path(folder, "file");
+    snprintf(text, sizeof text, "density = 2.0; particles_file = \"%s\";", file);
+    scoped_scene table = {0};
+    for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
+        scoped_scene s = {0};
+        file_print(file, "%s", texts[k]);
+        CHECK_OK(grains_read(text, NULL, k == 0 ? &table : &s));
+        if (k == 0) continue;
+        CU_ASSERT_EQUAL_FATAL(s.def.n_grains, 3);
+        for (int i = 0; i < 3; i++) CU_ASSERT(same_grain(&s.grains[i], &table.grains[i]));
+        CU_ASSERT(!*s.unused);
+    }
+    CU_ASSERT_EQUAL(table.def.n_grains, 3);
+    grains_refused(text, &(rp_texts){1, {"particles_step=5"}}, ": particles_step: a data file has no steps");
+    grains_refused(text, &(rp_texts){1, {"contacts_file=c.tsv"}}, ": contacts_file: needs a table");
+    scoped_scene first = {0};
+    file_print(file, "%s", texts[2]);
+    CHECK_OK(grains_read(text, &(rp_texts){1, {"particles_step=0"}}, &first));
+    CU_ASSERT(first.def.n_grains == 1 && first.grains[0].x == 9.0);
+    grains_refused(text, &(rp_texts){1, {"particles_step=5"}}, ": no frame of step 5");
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        file_print(file, "%s", bad[k][0]);
+        grains_refused(text, NULL, bad[k][1]);
+    }
+    folder_remove(folder);
+}
+
 /* Rolling resistance without a limit is that of a limit which no torque reaches. */
 static void infinite_rolling(void)
 {
@@ -431,5 +516,5 @@ static void energy_of_few(void)
     }
 }
 
-CHECK_SUITE(scene, "scene", example, particles_from_table, infinite_rolling, bed_taken_back, fill_among_walls,
-            listed_overlaps, values_of_a_file, energy_of_few, refused)
+CHECK_SUITE(scene, "scene", example, particles_from_table, particles_from_lammps, infinite_rolling,
+            bed_taken_back, fill_among_walls, listed_overlaps, values_of_a_file, energy_of_few, refused)

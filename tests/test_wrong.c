@@ -174,7 +174,6 @@ static void tables(void)
                                    "Write a line as \"x y r\" above it"},
         {"1 0 0.5 0.1\n2 1 0.5 0.1\n",
          "Write a line as \"index x y r\" above it (the first column counts the rows)"},
-        {"ITEM: TIMESTEP\n0\n", "t.tsv: is a dump of LAMMPS; a table expected: a line of names, as x y r"},
         {"# vtk DataFile Version 3.0\n", "is a VTK file"},
         {"<?xml version=\"1.0\"?>\n", "is an XML file"},
         {"{\"x\": [1, 2]}\n", "is a JSON file"},
@@ -209,6 +208,8 @@ static void tables(void)
     FAILS(65, "t.xyz: is an XYZ file", "export t.xyz --to lammps -o t.dump");
     write_text("t.txt", "5\n3\n4\n"); /* one column of numbers is a table */
     GOOD("stats select t.txt --columns 1");
+    write_text("t.tsv", "ITEM: TIMESTEP\n0\n");
+    FAILS(65, "t.tsv: is a dump of LAMMPS; a table expected: a line of names, as x y r", "angle slope t.tsv");
     /* what the messages tell to do */
     write_text("t.csv", "x;y;r\n0,0;0,5;0,1\n");
     SHELL("tr ';,' '\\t.' <t.csv >t.tsv");

@@ -2,25 +2,32 @@
  * Both programs step by the same Verlet scheme, with the velocity of half a step before in dashpots and shear
  * springs. Laws that coincide are mapped; for any other setting the key is named and nothing is written. */
 #include <gsl/gsl_poly.h>
-#include <gsl/gsl_sort.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "core/file.h"
 #include "export/export.h"
+#include "dem/law/law.h"
 #include "dem/setup/definition.h"
 #include "dem/scene/scene.h"
 
-/* Where k_n is the same for all radii here and grows as sqrt(R_eff) in LAMMPS, each radius is a type, and for
- * walls a group, of which LAMMPS has 32. */
+/* Each kind is a type. Where k_n is the same for all radii here and grows as sqrt(R_eff) in LAMMPS, so is
+ * each radius; where rolling is damped by the mass, which LAMMPS leaves out, each radius and mass. For walls
+ * a type is a group, of which LAMMPS has 32. */
 enum { MOST_TYPES = 24 };
+typedef struct {
+    uint32_t kind;
+    double r, m; /* 0: all */
+} grain_type;
 
 typedef struct {
     dem_scene scene;
     dem_definition def; /* with all coefficients known */
     dem_state *grains;
     size_t n, n_types;
-    double radius[MOST_TYPES]; /* of each type; 0: of all radii */
+    bool by_mass;
+    grain_type types[MOST_TYPES];
     double box[2][2], largest;
 } lammps_scene;
 
@@ -40,9 +47,7 @@ static rp_status check_material(const dem_definition *def, const dem_material *m
     const bool slides = dem_has_friction(def->tangential);
     if (slides && isinf(m->mu))
         return rp_fail(RP_BAD_INPUT, "%stangential.mu = infinite: LAMMPS needs a number", of);
-    if (m->mu_roll > 0.0)
-        return rp_fail(RP_BAD_INPUT, "%srolling.mu = %g: LAMMPS damps rolling without the mass", of,
-                       m->mu_roll);
+    if (isinf(m->mu_roll)) return rp_fail(RP_BAD_INPUT, "%srolling.mu = infinite: LAMMPS needs a number", of);
     if (normal_law(def)->lammps_damping && m->gamma_n > 1.2728)
         return rp_fail(
             RP_BAD_INPUT,
@@ -76,7 +81,6 @@ static rp_status check_walls(const dem_definition *def)
         if (wall->velocity[0] != 0.0 || wall->velocity[1] != 0.0 || wall->omega != 0.0)
             return rp_fail(RP_BAD_INPUT, "%s%s: walls of the input are at rest", name,
                            wall->omega != 0.0 ? "omega" : "velocity");
-        RP_TRY(check_material(def, &wall->material, name));
     }
     return RP_OK;
 }
@@ -84,13 +88,16 @@ static rp_status check_walls(const dem_definition *def)
 /* The first key that has no equal. */
 static rp_status check_scene(const dem_definition *def)
 {
-    const bool slides = dem_has_friction(def->tangential);
+    const bool slides = dem_has_friction(def->tangential), rolls = dem_has_rolling(def);
     const struct {
         bool differs;
         const char *message;
     } checks[] = {
         {def->integrator != DEM_VERLET, "integrator: LAMMPS steps as \"verlet\" does"},
-        {slides && def->tension,
+        {rolls && def->rolling != DEM_ROLL_SPRING, "rolling.model: LAMMPS has \"spring\" alone"},
+        {rolls && dem_is_of_radius(def->tangential),
+         "rolling: of this tangential.law it depends on the overlap, which that of LAMMPS does not"},
+        {(slides || rolls) && def->tension,
          "normal.tension = true: LAMMPS limits friction by mu |F_n| where the force pulls; set it to false"},
         {dem_has_spring(def->tangential) && def->slip != DEM_TRUNCATED,
          "tangential.slip = \"total\": LAMMPS truncates the spring"},
@@ -111,27 +118,72 @@ static rp_status check_scene(const dem_definition *def)
         return rp_fail(RP_BAD_INPUT, "tangential.law = \"%s\": LAMMPS has no such law", shear->name);
     for (size_t i = 0; i < sizeof checks / sizeof *checks; i++)
         if (checks[i].differs) return rp_fail(RP_BAD_INPUT, "%s", checks[i].message);
-    RP_TRY(check_material(def, &def->material, ""));
     return check_walls(def);
 }
 
-static rp_status find_types(rp_arena *arena, lammps_scene *s)
+static grain_type type_of(const lammps_scene *s, const dem_state *grain)
 {
-    if (!normal_law(&s->def)->lammps_by_radius) return s->n_types = 1, RP_OK;
-    double *r = rp_arena_memory(arena, s->n, sizeof *r);
-    for (size_t i = 0; i < s->n; i++) r[i] = s->grains[i].r;
-    gsl_sort(r, 1, s->n);
-    for (size_t i = 0; i < s->n; i++) {
-        if (i > 0 && r[i] == r[i - 1]) continue;
-        if (s->n_types == MOST_TYPES)
+    return (grain_type){grain->kind, normal_law(&s->def)->lammps_by_radius || s->by_mass ? grain->r : 0.0,
+                        s->by_mass ? grain->m : 0.0};
+}
+
+static int by_type(const void *a, const void *b)
+{
+    const grain_type *p = a, *q = b;
+    if (p->kind != q->kind) return p->kind < q->kind ? -1 : 1;
+    return p->r != q->r ? (p->r > q->r) - (p->r < q->r) : (p->m > q->m) - (p->m < q->m);
+}
+
+/* Coefficients of types a and b; for b from the number of types on, of a and a wall. */
+static const dem_material *material_of(const lammps_scene *s, size_t a, size_t b)
+{
+    const uint32_t kind = s->types[a].kind;
+    return b < s->n_types ? dem_pair_material(&s->def, kind, s->types[b].kind)
+                          : dem_material_at(&s->def, b - s->n_types, kind);
+}
+
+static rp_status list_types(lammps_scene *s)
+{
+    s->n_types = 0;
+    for (size_t i = 0, k; i < s->n; i++) {
+        const grain_type type = type_of(s, &s->grains[i]);
+        for (k = 0; k < s->n_types && by_type(&s->types[k], &type) != 0; k++) {
+        }
+        if (k == MOST_TYPES)
             return rp_fail(
                 RP_BAD_INPUT,
-                "normal.law = \"%s\": LAMMPS' k_n depends on the radii, so that each radius is a type, at "
-                "most %d; equal grains or the law \"linear\" go",
-                normal_law(&s->def)->name, MOST_TYPES);
-        s->radius[s->n_types++] = r[i];
+                "normal.law = \"%s\"%s: each %s is a type of LAMMPS, at most %d; the law \"linear\" and "
+                "rolling.gamma = 0 need one for each kind",
+                normal_law(&s->def)->name, s->by_mass ? ", rolling.gamma" : "",
+                s->by_mass     ? "radius and mass"
+                : type.r > 0.0 ? "radius"
+                               : "kind",
+                MOST_TYPES);
+        s->types[k] = type;
+        if (k == s->n_types) s->n_types++;
     }
+    qsort(s->types, s->n_types, sizeof *s->types, by_type);
     return RP_OK;
+}
+
+/* The types, whose laws LAMMPS must have. */
+static rp_status find_types(lammps_scene *s)
+{
+    const size_t n_walls = s->def.n_walls;
+    RP_TRY(list_types(s));
+    for (size_t a = 0; a < s->n_types; a++)
+        for (size_t b = a; b < s->n_types + n_walls; b++) {
+            char of[2 * DEM_NAME_BYTES + 32] = "";
+            const dem_material *m = material_of(s, a, b);
+            const char *first = s->def.n_kinds > 1 ? s->def.kinds[s->types[a].kind].name : "";
+            if (b >= s->n_types)
+                snprintf(of, sizeof of, "wall %zu%s%s: ", b - s->n_types + 1, *first ? ", " : "", first);
+            else if (s->def.pairs)
+                snprintf(of, sizeof of, "%s, %s: ", first, s->def.kinds[s->types[b].kind].name);
+            RP_TRY(check_material(&s->def, m, of));
+            s->by_mass |= dem_has_rolling(&s->def) && m->gamma_roll > 0.0;
+        }
+    return s->by_mass ? list_types(s) : RP_OK;
 }
 
 /* The grains of the start, and with them what a restitution stands for. */
@@ -149,7 +201,7 @@ static rp_status start_scene(rp_arena *arena, lammps_scene *s)
         const dem_state *p = &s->grains[i];
         const double x[2] = {p->x, p->y};
         grains[i] = (dem_grain){.x = p->x, .y = p->y, .r = p->r, .m = p->m, .fixed = p->fixed};
-        grains[i].vx = p->vx, grains[i].vy = p->vy, grains[i].omega = p->omega;
+        grains[i].kind = p->kind, grains[i].vx = p->vx, grains[i].vy = p->vy, grains[i].omega = p->omega;
         for (int k = 0; k < 2; k++) {
             s->box[k][0] = fmin(s->box[k][0], x[k] - p->r);
             s->box[k][1] = fmax(s->box[k][1], x[k] + p->r);
@@ -172,9 +224,9 @@ static void write_data(const lammps_scene *s, const char *scene, FILE *out)
             RP_SHORT(s->largest));
     for (size_t i = 0; i < s->n; i++) {
         const dem_state *p = &s->grains[i];
-        size_t type = 0;
-        while (type + 1 < s->n_types && s->radius[type] != p->r) type++;
-        fprintf(out, "%u %zu %s %s %s %s 0\n", p->id, type + 1, RP_SHORT(2.0 * p->r),
+        const grain_type type = type_of(s, p),
+                         *found = bsearch(&type, s->types, s->n_types, sizeof type, by_type);
+        fprintf(out, "%u %td %s %s %s %s 0\n", p->id, found - s->types + 1, RP_SHORT(2.0 * p->r),
                 RP_SHORT(p->m / dem_mass(DEM_SPHERE, 1.0, p->r)), RP_SHORT(p->x), RP_SHORT(p->y));
     }
     fputs("\nVelocities\n\n", out);
@@ -193,9 +245,14 @@ static double tsuji_restitution(double gamma_n)
     return low;
 }
 
-/* The law of a contact whose effective radius is r_eff, in the words of pair_coeff. */
-static void write_law(const dem_definition *def, const dem_material *m, double r_eff, FILE *out)
+/* The law of a contact of two types, or of a type and a wall, in the words of pair_coeff. */
+static void write_law(const lammps_scene *s, size_t i, size_t j, FILE *out)
 {
+    const dem_definition *def = &s->def;
+    const dem_material *m = material_of(s, i, j);
+    const grain_type *a = &s->types[i], *b = j < s->n_types ? &s->types[j] : NULL;
+    const double r_eff = b ? a->r * b->r / (a->r + b->r) : a->r,
+                 m_eff = b ? a->m * b->m / (a->m + b->m) : a->m;
     const dem_normal_descriptor *law = normal_law(def);
     const double part = m->gamma_n > 0.0 ? m->gamma_s / m->gamma_n : 0.0,
                  damping = dem_is_of_radius(def->tangential) ? part * sqrt(m->k_s / m->k_n) : part;
@@ -208,6 +265,13 @@ static void write_law(const dem_definition *def, const dem_material *m, double r
         fprintf(out, " %s %s", RP_SHORT(damping), RP_SHORT(m->mu));
     else
         fputs(" 0 0", out);
+    if (dem_has_rolling(def)) {
+        const dem_slider rolls =
+            dem_rolls_of(def->rolling, def->tangential, b && def->rolling_arm == DEM_ARM_RADIUS ? 2.0 : 1.0,
+                         m->k_roll, m->gamma_roll, m->mu_roll);
+        fprintf(out, " rolling sds %s %s %s", RP_SHORT(rolls.k),
+                RP_SHORT(m->gamma_roll > 0.0 ? rolls.gamma * m_eff : 0.0), RP_SHORT(rolls.mu));
+    }
     fprintf(out, " damping %s%s", tsuji(def, m) ? law->lammps_damping : "mass_velocity",
             def->tension ? "" : " limit_damping");
 }
@@ -231,8 +295,15 @@ static void write_about(const lammps_scene *s, const char *scene, FILE *out)
         fputs("# damping: LAMMPS takes it from a restitution by a polynomial; the number here is where that "
               "has gamma_n, not the restitution of impacts\n",
               out);
+    if (dem_has_rolling(&s->def))
+        fputs("# rolling resistance: model C; where its dashpot gamma_roll m_eff has a part, each radius and "
+              "mass is a "
+              "type\n",
+              out);
     fprintf(out, "# shear force: %s\n# walls: the same with R_eff = r and m_eff = m, whole planes at rest\n",
             dem_tangential_descriptors[s->def.tangential].in_lammps);
+    for (size_t k = 0; k < s->n_types && s->def.n_kinds > 1; k++)
+        fprintf(out, "# type %zu: kind %s\n", k + 1, s->def.kinds[s->types[k].kind].name);
     fprintf(
         out,
         "# integrator: velocity Verlet; forces that depend on velocity take that of half a step before\n");
@@ -259,7 +330,7 @@ static void write_walls(const lammps_scene *s, FILE *out)
             char group[32] = "all";
             if (s->n_types > 1) snprintf(group, sizeof group, "type%zu", k + 1);
             fprintf(out, "fix wall%zu_%zu %s wall/gran/region granular ", w + 1, k + 1, group);
-            write_law(def, &wall->material, s->radius[k], out);
+            write_law(s, k, s->n_types + w, out);
             fprintf(out, " region wall%zu\n", w + 1);
         }
     }
@@ -294,9 +365,8 @@ static void write_input(const lammps_scene *s, const char *scene, const char *st
           out);
     for (size_t i = 0; i < s->n_types; i++)
         for (size_t j = i; j < s->n_types; j++) {
-            const double a = s->radius[i], b = s->radius[j];
             fprintf(out, s->n_types > 1 ? "pair_coeff %zu %zu " : "pair_coeff * * ", i + 1, j + 1);
-            write_law(&s->def, &s->def.material, a * b / (a + b), out);
+            write_law(s, i, j, out);
             fputc('\n', out);
         }
     fprintf(out, "neighbor %s bin\nneigh_modify every 1 delay 0 check yes\ntimestep %s\n\n",
@@ -340,8 +410,7 @@ static rp_status prepare(rp_arena *arena, lammps_scene *s)
     if (s->scene.phases) return rp_fail(RP_BAD_INPUT, "phases: the input is of a scene without them");
     RP_TRY(check_scene(&s->scene.def));
     RP_TRY(start_scene(arena, s));
-    RP_TRY(check_scene(&s->def)); /* with what a restitution stands for */
-    return find_types(arena, s);
+    return find_types(s); /* with what a restitution stands for */
 }
 
 rp_status export_lammps_input(rp_arena *arena, const char *scene, const rp_texts *changes, const char *path,

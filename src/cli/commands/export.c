@@ -106,10 +106,12 @@ const cli_command cmd_export = {
     "  normal.tension  false; true without friction\n"
     "  tangential.law  none, slip_roll; spring and mindlin with slip = \"truncated\"\n"
     "                  and damping = \"inside\"\n"
+    "  rolling         model spring, not with mindlin; with gamma at most 24\n"
+    "                  different radii and masses\n"
     "  walls           infinite lines at rest, at any angle\n"
     "  grains          fixed or not, with or without rotation\n"
     "  integrator      verlet\n"
-    "  none of         rolling, ground, hard, x_min, x_max, y_min, phases, turning\n"
+    "  none of         ground, hard, x_min, x_max, y_min, phases, turning\n"
     "                  gravity, turning box",
     "repose export out --to lammps -o pile.lammpstrj",
     export_params,

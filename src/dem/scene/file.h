@@ -96,6 +96,11 @@ rp_status dem_read_fills(const config_setting_t *fill, dem_scene *scene);
 rp_status dem_read_grains(const char *path, const config_setting_t *root, dem_scene *scene);
 rp_status dem_read_table(const char *path, dem_scene *scene); /* of particles_file */
 
+/* Is a text a dump or data file of LAMMPS? Its grains, as scene->grains and their lines; a mass that it does
+ * not give stays "auto". `path` is for messages. */
+bool dem_is_lammps(const char *text);
+rp_status dem_read_lammps(rp_arena *arena, const char *path, char *text, dem_scene *scene);
+
 /* The next fill that is there, from *k on, and the first group `add` of phases; NULL: none. What tells the
  * radii and the density of a fill. */
 rp_status dem_next_fill(const config_setting_t *root, size_t *k, const config_setting_t **next);

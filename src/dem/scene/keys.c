@@ -38,9 +38,10 @@ static const rp_param top_schema[] = {
      "whether to keep the energy ledger, which `repose run -o` writes with the energies; slower, with "
      "bitwise identical results"},
     {"particles_file", "", RP_TEXT, AT(dem_scene, particles_file), "", "",
-     "table with columns x y r and, if wanted, m vx vy angle omega fixed; instead of `particles`"},
+     "table with columns x y r and, if wanted, m vx vy angle omega fixed, or a dump or data file of LAMMPS; "
+     "instead of `particles`"},
     {"particles_step", "", RP_INT, AT(dem_scene, particles_step), "last", "[0, 2147483647] | last",
-     "step of the table, which may have several"},
+     "step of the table or dump, which may have several"},
     {"pairs_rule", "", RP_CHOICE, AT(dem_scene, laws.pairs_rule), "equal", DEM_WORDS(DEM_PAIR_RULES),
      "what two kinds, or a kind and a wall, have together where `pairs` does not say it",
      .manual = DEM_MANUALS(DEM_PAIR_RULES)},

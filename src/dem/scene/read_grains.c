@@ -7,6 +7,7 @@
 #include <strings.h>
 
 #include "core/elementary.h"
+#include "core/file.h"
 #include "dem/scene/file.h"
 #include "table/columns.h"
 #include "table/where.h"
@@ -126,13 +127,17 @@ static rp_status take_step(rp_table *table, long wanted)
     return table->n_rows ? RP_OK : rp_fail(RP_BAD_INPUT, "%s: no rows with %s", table->path, condition);
 }
 
-/* A table, whose relative name is meant from the scene file's folder, at one step. */
-static rp_status read_step(rp_arena *arena, const char *path, const char *name, long step, rp_units units,
-                           rp_table **table)
+/* A name of a scene file, whose relative names are meant from its folder. */
+static rp_status find_file(rp_arena *arena, const char *path, const char **name)
 {
     const char *slash = strrchr(path, '/');
-    const int folder = slash && *name != '/' ? (int)(slash - path) + 1 : 0;
-    RP_TRY(rp_path(arena, &name, "%.*s%s", folder, path, name));
+    const int folder = slash && **name != '/' ? (int)(slash - path) + 1 : 0;
+    return rp_path(arena, name, "%.*s%s", folder, path, *name);
+}
+
+/* A table at one step. */
+static rp_status read_step(rp_arena *arena, const char *name, long step, rp_units units, rp_table **table)
+{
     RP_TRY(rp_table_keep(arena, name, NULL, table));
     for (size_t c = 0; c < (*table)->n_columns; c++) {
         char unit[32];
@@ -195,15 +200,28 @@ static rp_status read_contacts(rp_arena *arena, const rp_table *states, const rp
 
 rp_status dem_read_table(const char *path, dem_scene *scene)
 {
+    const char *name = scene->particles_file, *beside = scene->contacts_file;
     rp_table *table, *contacts;
+    char *text;
     RP_SCOPE(arena);
-    RP_TRY(read_step(&arena, path, scene->particles_file, scene->particles_step, scene->def.units, &table));
+    RP_TRY(find_file(&arena, path, &name));
+    RP_TRY(rp_file_read(name, &text));
+    rp_arena_keep(&arena, text, free);
+    if (dem_is_lammps(text)) {
+        if (*beside)
+            return rp_fail(RP_BAD_INPUT, "%s: contacts_file: needs a table, no file of LAMMPS", path);
+        RP_TRY(dem_read_lammps(&arena, name, text, scene));
+        for (size_t i = 0; i < scene->def.n_grains; i++) RP_TRY(add_grain(scene, i, scene->lines[i]));
+        return RP_OK;
+    }
+    RP_TRY(read_step(&arena, name, scene->particles_step, scene->def.units, &table));
     RP_TRY(read_particles_table(table, scene));
     rp_columns_beside(table, dem_state_columns, scene->unused);
     if (!*scene->contacts_file) return RP_OK;
     const int step = rp_table_column(table, "step");
-    RP_TRY(read_step(&arena, path, scene->contacts_file, step < 0 ? -1 : atol(rp_cell(table, 0, step)),
-                     scene->def.units, &contacts));
+    RP_TRY(find_file(&arena, path, &beside));
+    RP_TRY(read_step(&arena, beside, step < 0 ? -1 : atol(rp_cell(table, 0, step)), scene->def.units,
+                     &contacts));
     return read_contacts(&arena, table, contacts, scene);
 }
 
