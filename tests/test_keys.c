@@ -79,6 +79,9 @@ static candidates find_candidates(const rp_param *p, const char *now)
 #define GRAINS(spin)                                                                                         \
     "particles = ( { x = 0.3; y = 0.0998; r = 0.1; vx = 30.0;" spin " },\n"                                  \
     "              { x = 0.51; y = 0.1; r = 0.11; }, { x = 0.37; y = 0.29; r = 0.09; vy = -5.0; } );\n"
+#define MIXED                                                                                                \
+    "particles = ( { kind = \"a\"; x = 0.3; y = 0.0998; r = 0.1; vx = 30.0; omega = 90.0; },\n"              \
+    "  { kind = \"b\"; x = 0.51; y = 0.1; r = 0.11; }, { kind = \"a\"; x = 0.37; y = 0.29; r = 0.09; } );\n"
 #define SPIN     " omega = 90.0;"
 #define FRICTION "tangential = { law = \"spring\"; mu = 0.3; };\n"
 
@@ -121,7 +124,17 @@ static const char *const scenes[] = {
     "steps = 9000; gravity_turn_deg_per_step = 0.01; turn_from_step = 5000;\n"
     "tangential = { law = \"slip_roll\"; gamma_s = 31.0; mu = 0.07; };\n" SOFT
     "gamma_n = 400.0; }; ground = { mu_static = 0.4; a = 1e-4; };\n" FLOOR
-    "particles = ( { x = 0.3; y = 0.1; r = 0.1; } );\n"};
+    "particles = ( { x = 0.3; y = 0.1; r = 0.1; } );\n",
+    /* kinds: what two of them have is said, or by a rule */
+    "rotation = true; steps = 300; kinds = { a = { }; b = { }; }; rolling = { mu = 0.05; };\n"
+    "pairs = ( { of = (\"a\", \"b\"); gamma_s = 5.0; gamma_roll = 5.0; mu = 0.2; mu_roll = 0.03; } "
+    ");\n" FRICTION SOFT "gamma_n = 300.0; };\n" WALLS MIXED,
+    "rotation = true; steps = 300; kinds = { a = { mu = 0.1; }; b = { }; }; rolling = { mu = 0.05; };\n"
+    "pairs_rule = \"smaller\"; pairs = ( { of = (\"a\", \"b\"); gamma_n = 200.0; } );\n" FRICTION SOFT
+    "gamma_n = 300.0; };\n" WALLS MIXED,
+    "steps = 300; gravity = [0.0, -20.0]; rotation = true; dt = 1.0e-4; material = { E = 1.0e5; nu = 0.3; "
+    "restitution = 0.6; mu = 0.3; };\npairs_rule = \"geometric\"; kinds = { a = { mu = 0.1; }; };\n" WALLS
+        MIXED};
 enum { N_SCENES = sizeof scenes / sizeof *scenes };
 
 /* All tables of the scene's end; NULL if the scene is refused. A run that fails has a result: its end. */
@@ -158,8 +171,11 @@ static bool scene_changes(size_t scene, const char *base, const char *path, cons
 
 static void check_scene_key(char *const bases[], const char *group, const rp_param *p)
 {
-    const bool list = strcmp(group, "walls") == 0 || strcmp(group, "particles") == 0;
-    const char *form = strcmp(group, "scene") == 0 ? "%.0s%s" : list ? "%s.[0].%s" : "%s.%s";
+    const bool list = strstr("walls particles pairs", group) != NULL;
+    const char *form = strcmp(group, "scene") == 0   ? "%.0s%s"
+                       : strcmp(group, "kinds") == 0 ? "%s.a.%s"
+                       : list                        ? "%s.[0].%s"
+                                                     : "%s.%s";
     scoped char *path = strdup(check_text(form, group, p->name));
     const candidates c = find_candidates(p, p->fallback ? p->fallback : "");
     const bool words = p->type == RP_CHOICE;

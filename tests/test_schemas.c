@@ -90,6 +90,18 @@ static const char *const texts[] = {
     "dt = 2e-5; normal = { law = `linear`; k_n = 1e5; tension = false; };\n" FLOOR
     "box_turn_deg_per_step = 0.01; hard = { restitution = 0.5; mu = 0.2; };\n" GRAINS
     "phases = ( { name = `only`; steps = 9; box_turn_deg_per_step = 0.02; } );\n",
+    /* kinds, and what two of them have */
+    BEGIN "rotation = true; tangential = { law = `spring`; mu = 0.3; }; rolling = { mu = 0.1; };\n"
+          "kinds = { drop = { k_n = 2e5; }; disk = { }; dropx = { }; diskx = { }; };\n"
+          "pairs = ( { of = (`drop`, `disk`); mu = 0.2; mu_roll = 0.1; gamma_s = 3.0; gamma_roll = 3.0; } "
+          ");\n" FLOOR "particles = ( { kind = `drop`; x = 0.0; y = 0.1; r = 0.1; }, { kind = `disk`; x = "
+          "1.0; y = 0.1; r = 0.1; } );\n" PHASE,
+    "dt = 2e-5; rotation = true; material = { E = 1e6; nu = 0.3; restitution = 0.5; mu = 0.3; };\n"
+    "kinds = { drop = { E = 2e6; nu = 0.2; density = 2.0; mu = 0.4; }; dropx = { }; diskx = { }; }; "
+    "pairs_rule = `smaller`;\n"
+    "pairs = ( { of = (`drop`, `disk`); restitution = 0.4; } );\n" FLOOR
+    "particles = ( { kind = `drop`; x = 0.0; y = 0.1; r = 0.1; }, { kind = `disk`; x = 1.0; y = 0.1; r = "
+    "0.1; } );\n" PHASE,
     BEGIN "integrator = `implicit`; implicit = { solver = `sor`; tolerance = 1e-12; };\n" FLOOR GRAINS PHASE};
 enum { TEXTS = sizeof texts / sizeof *texts };
 
@@ -215,6 +227,8 @@ static bool check_places(size_t text, const config_setting_t *at, const char *pa
     bool there = false;
     if (!*group) return check_place(text, "", "", p, at);
     const config_setting_t *of = config_setting_get_member(at, group);
+    if (of && strcmp(group, "kinds") == 0)
+        return check_place(text, "kinds.drop.", group, p, config_setting_get_member(of, "drop"));
     if (of && config_setting_is_group(of))
         return check_place(text, check_text("%s%s.", path, group), group, p, of);
     for (int i = 0; of && i < config_setting_length(of); i++) {

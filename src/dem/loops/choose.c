@@ -31,6 +31,7 @@ void dem_loops_choose(dem_sim *sim)
         for (kernel = DEM_KERNELS - 1; !dem_kernel_runs(kernel);) kernel--;
     if (sim->scheme->excess && dem_has_spring(sim->def.tangential)) kernel = DEM_REFERENCE;
     sim->loops = *loops_of[kernel];
+    if (sim->def.pairs) sim->loops.pairs = sim->loops.mixed_pairs, sim->loops.line = sim->loops.mixed_line;
     if (sim->loops.general)
         strcpy(sim->loops.name, sim->loops.word);
     else

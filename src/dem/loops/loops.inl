@@ -284,17 +284,22 @@ INLINE void run_of_law(dem_sim *sim, size_t from, size_t to, double h, dem_laws 
 
 static void pairs(dem_sim *sim, size_t from, size_t to, double h)
 {
-    const dem_material *const kinds = sim->def.pairs;
     dem_laws law = laws_of(sim, dem_pair_material(&sim->def, 0, 0));
     switch (law.normal) {
 #define X(id, ...)                                                                                           \
     case id:                                                                                                 \
         law.normal = id;                                                                                     \
-        kinds ? run_of_motion(sim, from, to, h, law, kinds) : run_of_law(sim, from, to, h, law);             \
+        run_of_law(sim, from, to, h, law);                                                                   \
         break;
         DEM_NORMAL_LAWS(X)
 #undef X
     }
+}
+
+/* The same with the coefficients of kinds, and laws that are known at run time alone. */
+static void mixed_pairs(dem_sim *sim, size_t from, size_t to, double h)
+{
+    run_of_motion(sim, from, to, h, laws_of(sim, sim->def.pairs), sim->def.pairs);
 }
 
 /* ---- Wall slots ---------------------------------------------------------------------------------------- */
@@ -376,13 +381,11 @@ INLINE void take_slot_forces(dem_sim *sim, size_t k, size_t n, const uint32_t *i
 }
 
 /* The last block is filled up with its last slot. */
-static void line(dem_sim *sim, size_t k, size_t end, double h)
+INLINE void line_loop(dem_sim *sim, size_t k, size_t end, double h, const dem_material *kinds)
 {
     const dem_wall_slot *slot = sim->walls.slot;
-    const uint32_t w = slot[k].wall;
-    const dem_material *const kinds = sim->def.pairs;
-    const uint32_t n_kinds = (uint32_t)sim->def.n_kinds;
-    dem_laws law = laws_of(sim, dem_material_at(&sim->def, w, 0));
+    const uint32_t w = slot[k].wall, n_kinds = (uint32_t)sim->def.n_kinds;
+    const dem_laws law = laws_of(sim, dem_material_at(&sim->def, w, 0));
     dem_vec wall = sim->walls.force[w];
     for (; k < end; k += WIDTH) {
         static const uint32_t all[8] = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -396,12 +399,23 @@ static void line(dem_sim *sim, size_t k, size_t end, double h)
         for (size_t p = 0; p < WIDTH; p++) i[p] = slot[k + at[p]].grain;
         for (size_t p = 0; p < WIDTH && kinds; p++)
             entry[p] = (n_kinds + w) * n_kinds + sim->grains.kind[i[p]];
-        if (kinds) law = with_coefficients(law, kinds, entry, 1.0);
-        const slot_forces b = slot_forces_of(sim, &law, slot + k, at, i, h);
+        dem_laws own;
+        if (kinds) own = with_coefficients(law, kinds, entry, 1.0);
+        const slot_forces b = slot_forces_of(sim, kinds ? &own : &law, slot + k, at, i, h);
         take_slot_forces(sim, k, n, i, &b, &wall);
         sim->too_deep |= b.deep != 0;
     }
     sim->walls.force[w] = wall;
+}
+
+static void line(dem_sim *sim, size_t k, size_t end, double h)
+{
+    line_loop(sim, k, end, h, NULL);
+}
+
+static void mixed_line(dem_sim *sim, size_t k, size_t end, double h)
+{
+    line_loop(sim, k, end, h, sim->def.pairs);
 }
 
 /* ---- Motion -------------------------------------------------------------------------------------------- */
@@ -629,7 +643,8 @@ static size_t next_collided(const dem_sim *sim, size_t k, size_t end)
 }
 
 /* The table of a width, or of other loops over pairs and slots. */
-#define LOOPS(word, general, pairs, line, next_approaching, next_collided)                                   \
+#define LOOPS(word, general, pairs, line, mixed_pairs, mixed_line, next_approaching, next_collided)          \
     {                                                                                                        \
-        word, general, "", pairs, line, advance, margins, predict, append, next_approaching, next_collided   \
+        word, general, "", pairs, line, mixed_pairs, mixed_line, advance, margins, predict, append,          \
+            next_approaching, next_collided                                                                  \
     }

@@ -4,7 +4,8 @@
 #define WIDTH 1
 #include "dem/loops/loops.inl"
 
-const dem_loops dem_loops_1 = LOOPS("baseline", false, pairs, line, next_approaching, next_collided);
+const dem_loops dem_loops_1 =
+    LOOPS("baseline", false, pairs, line, mixed_pairs, mixed_line, next_approaching, next_collided);
 
 /* ---- The reference: all that is known at run time alone, without a short cut ---- */
 
@@ -31,5 +32,5 @@ static size_t any_collided(const dem_sim *sim, size_t k, size_t end)
     return next_of(sim, 0, k, end);
 }
 
-const dem_loops dem_loops_reference =
-    LOOPS("reference", true, any_pairs, dem_slots_apply, any_approaching, any_collided);
+const dem_loops dem_loops_reference = LOOPS("reference", true, any_pairs, dem_slots_apply, any_pairs,
+                                            dem_slots_apply, any_approaching, any_collided);

@@ -9,7 +9,8 @@
 #endif
 #define WIDTH 4
 #include "dem/loops/loops.inl"
-const dem_loops dem_loops_4 = LOOPS("avx2", false, pairs, line, next_approaching, next_collided);
+const dem_loops dem_loops_4 =
+    LOOPS("avx2", false, pairs, line, mixed_pairs, mixed_line, next_approaching, next_collided);
 #ifdef __clang__
 #pragma clang attribute pop
 #endif

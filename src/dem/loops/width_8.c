@@ -9,7 +9,8 @@
 #endif
 #define WIDTH 8
 #include "dem/loops/loops.inl"
-const dem_loops dem_loops_8 = LOOPS("avx512", false, pairs, line, next_approaching, next_collided);
+const dem_loops dem_loops_8 =
+    LOOPS("avx512", false, pairs, line, mixed_pairs, mixed_line, next_approaching, next_collided);
 #ifdef __clang__
 #pragma clang attribute pop
 #endif

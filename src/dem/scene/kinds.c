@@ -32,12 +32,12 @@ rp_status dem_read_kind(const config_setting_t *group, dem_scene *scene, uint32_
 {
     const config_setting_t *kind = member(group, "kind");
     const char *name = kind ? config_setting_get_string(kind) : "", *key;
-    for (size_t k = 0; k < length(group); k++)
+    for (size_t k = 0; name && *name && k < length(group); k++)
         if (rp_params_find(SCHEMA(KINDS), key = config_setting_name(element(group, k))) &&
             !rp_params_find(SCHEMA(FILL), key))
             return rp_config_fail(element(group, k),
-                                  "%s: of grains by their kind, kinds = { %s = { %s = ...; }; }", key,
-                                  name && *name ? name : "NAME", key);
+                                  "%s: of all grains of a kind, kinds = { %s = { %s = ...; }; }", key, name,
+                                  key);
     if (!name) return rp_config_fail(kind, "kind: a name expected");
     RP_TRY(dem_read_name(&scene->arena, group, "kind", &name));
     return dem_number_kind(scene, name, number) ? rp_config_fail(kind, "%s", rp_message()) : RP_OK;

@@ -111,23 +111,6 @@ static rp_status check_walls(const dem_definition *def)
     return RP_OK;
 }
 
-rp_status dem_kinds_check(const dem_definition *def)
-{
-    const size_t n = def->n_kinds;
-    if (n > (def->pairs ? DEM_MOST_MIXED : DEM_MOST_KINDS))
-        return rp_fail(RP_BAD_INPUT, "%zu kinds: at most %d, and %d with coefficients of their own", n,
-                       DEM_MOST_KINDS, DEM_MOST_MIXED);
-    if ((n > 0 && !def->kinds) || (n < 2 && def->pairs)) return rp_fail(RP_BAD_INPUT, "kinds: NULL");
-    for (size_t i = 0; i < def->n_grains; i++)
-        if (def->grains[i].kind > 0 && def->grains[i].kind >= n)
-            return rp_fail(RP_BAD_INPUT, "particle %zu: kind = %u: there are %zu", i + 1, def->grains[i].kind,
-                           n);
-    for (size_t k = 0; def->pairs && k < n * n; k++)
-        if (memcmp(&def->pairs[k], &def->pairs[k % n * n + k / n], sizeof *def->pairs) != 0)
-            return dem_pair_prefix(def, k, rp_fail(RP_BAD_INPUT, "differ by their order"));
-    return RP_OK;
-}
-
 static rp_status check_ground(const dem_definition *def)
 {
     const dem_ground *g = &def->ground;

@@ -216,10 +216,12 @@ static const dem_grain *lightest_of(const dem_definition *def, double r_min, siz
                                     const dem_grain *but)
 {
     const dem_grain *lightest = NULL;
-    for (const dem_grain *p = def->grains; p < def->grains + def->n_grains; p++)
-        if (is_of(def, p, kind) && !p->fixed && p != but &&
-            (!lightest || lightness(p, r_min) < lightness(lightest, r_min)))
-            lightest = p;
+    double least = INFINITY;
+    for (const dem_grain *p = def->grains; p < def->grains + def->n_grains; p++) {
+        if (!is_of(def, p, kind) || p->fixed || p == but) continue;
+        const double m = lightness(p, r_min);
+        if (m < least) least = m, lightest = p;
+    }
     return lightest;
 }
 

@@ -131,14 +131,6 @@ static dem_wall *own_walls(dem_definition *copy)
     return walls;
 }
 
-rp_status dem_pair_prefix(const dem_definition *def, size_t k, rp_status status)
-{
-    const size_t n = def->n_kinds, row = k / n;
-    const char *name = def->kinds[k % n].name;
-    return row < n ? rp_prefix(status, "kinds \"%s\" and \"%s\": ", def->kinds[row].name, name)
-                   : rp_prefix(status, "kind \"%s\" at wall %zu: ", name, row - n + 1);
-}
-
 /* Of two grains of these masses; a mean over equal ones is theirs. */
 static double reduced(double a, double b)
 {
@@ -202,30 +194,6 @@ rp_status dem_physics_resolve(dem_definition *def)
         dem_material_complete(def, m);
     }
     return def->pairs ? resolve_pairs(def, mass) : RP_OK;
-}
-
-/* ---- Kinds ---- */
-
-rp_status dem_kinds_alloc(dem_definition *def, bool pairs)
-{
-    def->kinds = calloc(def->n_kinds + 1, sizeof *def->kinds);
-    def->pairs = pairs ? calloc(dem_pair_count(def), sizeof *def->pairs) : NULL;
-    return def->kinds && (def->pairs || !pairs) ? RP_OK : rp_fail(RP_NO_MEMORY, "kinds: out of memory");
-}
-
-rp_status dem_kinds_copy(const dem_definition *of, dem_definition *def)
-{
-    const bool pairs = of->pairs != NULL;
-    RP_TRY(dem_kinds_alloc(def, pairs));
-    if (of->kinds) memcpy((dem_kind *)def->kinds, of->kinds, of->n_kinds * sizeof *of->kinds);
-    if (pairs) memcpy((dem_material *)def->pairs, of->pairs, dem_pair_count(of) * sizeof *of->pairs);
-    return RP_OK;
-}
-
-void dem_kinds_free(dem_definition *def)
-{
-    free((dem_kind *)def->kinds), free((dem_material *)def->pairs);
-    def->kinds = NULL, def->pairs = NULL;
 }
 
 /* ---- Definitions ---- */

@@ -30,6 +30,9 @@ typedef struct {
     void (*pairs)(dem_sim *sim, size_t from, size_t to, double h);
     /* Add the forces of slots k..end of one wall, a whole line at rest, not the ground. */
     void (*line)(dem_sim *sim, size_t k, size_t end, double h);
+    /* Both where kinds have coefficients of their own. */
+    void (*mixed_pairs)(dem_sim *sim, size_t from, size_t to, double h);
+    void (*mixed_line)(dem_sim *sim, size_t k, size_t end, double h);
 
     /* Verlet: advance the grains from..to by a step and clear their forces. In a pile with chunks, margins
      * are not looked at, and speed2 is found. */
