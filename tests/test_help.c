@@ -489,7 +489,9 @@ static void experiments_are_listed(bool si)
         }
         schema_is_listed(m.schema, si);
     }
-    line_is("# experiment, what expressions may ask for, besides lets and earlier measures: %s",
+    line_is("# experiment, what expressions may ask for, besides lets and earlier measures: %s. What is of "
+            "KIND. is "
+            "also of the kind in a region, REGION.KIND. or KIND.REGION.",
             rp_expression_functions);
     line_is("# %-25s %-10s %-14s %s", "name", "unit", "of", "meaning");
     exp_word w;
