@@ -94,7 +94,7 @@ static rp_status check_scene(const dem_definition *def)
         const char *message;
     } checks[] = {
         {def->integrator != DEM_VERLET, "integrator: LAMMPS steps as \"verlet\" does"},
-        {rolls && def->rolling != DEM_ROLL_SPRING, "rolling.model: LAMMPS has \"spring\" alone"},
+        {rolls && !dem_rolls_by_spring(def->rolling), "rolling.model: LAMMPS has \"spring\" alone"},
         {rolls && dem_is_of_radius(def->tangential),
          "rolling: of this tangential.law it depends on the overlap, which that of LAMMPS does not"},
         {(slides || rolls) && def->tension,
