@@ -151,6 +151,27 @@ static rp_status stand_ins(const exp_plan *plan, rp_arena *arena, dem_definition
     return RP_OK;
 }
 
+/* A restitution over a mean mass needs grains of the kind at the start. */
+static rp_status check_added(const exp_plan *plan, const dem_definition *def)
+{
+    const dem_scene *s = &plan->scene;
+    const bool by_mass = strcmp(dem_normal_descriptors[def->normal].gamma_n_unit, "1") != 0;
+    for (const exp_phase *p = plan->phases; plan->n_phases && p < plan->phases + plan->n_phases; p++) {
+        const uint32_t kind = p->add.kind;
+        bool there = p->left_out || !p->add.on || !def->pairs || !by_mass, asked = false;
+        for (size_t k = 0; k < s->n_fills; k++) there |= s->fills[k].of_kind == kind;
+        for (size_t i = 0; s->grains && i < s->def.n_grains; i++) there |= s->grains[i].kind == kind;
+        for (size_t b = 0; !there && b < def->n_kinds + def->n_walls; b++)
+            asked |= def->pairs[b * def->n_kinds + kind].restitution > 0.0;
+        if (asked)
+            return rp_config_fail(p->setting,
+                                  "phase %s: add: no grain of kind \"%s\" is there at the start, so that its "
+                                  "restitution has no mean mass; give its gamma_n, or normal.law = \"tsuji\"",
+                                  p->name, def->kinds[kind].name);
+    }
+    return RP_OK;
+}
+
 rp_status exp_check(const exp_plan *plan)
 {
     dem_definition def = plan->scene.def;
@@ -159,6 +180,7 @@ rp_status exp_check(const exp_plan *plan)
     RP_SCOPE(arena);
     RP_TRY(stand_ins(plan, &arena, &def));
     RP_TRY(rp_prefix(dem_physics_check(&def), "%s: ", plan->text->path));
+    RP_TRY(check_added(plan, &def));
     lower(&def, NULL, NULL, &least);
     RP_TRY(check_phases(plan, &def, &least));
     if (isinf(least.limit)) return RP_OK;

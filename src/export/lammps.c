@@ -130,7 +130,7 @@ static grain_type type_of(const lammps_scene *s, const dem_state *grain)
 static int by_type(const void *a, const void *b)
 {
     const grain_type *p = a, *q = b;
-    if (p->kind != q->kind) return p->kind < q->kind ? -1 : 1;
+    if (p->kind != q->kind) return p->kind - 1 < q->kind - 1 ? -1 : 1; /* grains without a kind come last */
     return p->r != q->r ? (p->r > q->r) - (p->r < q->r) : (p->m > q->m) - (p->m < q->m);
 }
 
@@ -145,6 +145,11 @@ static const dem_material *material_of(const lammps_scene *s, size_t a, size_t b
 static rp_status list_types(lammps_scene *s)
 {
     s->n_types = 0;
+    /* types by kind are the numbers of the kinds, also where a kind has no grains */
+    for (uint32_t kind = 1; kind < s->def.n_kinds && kind <= MOST_TYPES; kind++) {
+        const grain_type type = type_of(s, &(dem_state){.kind = kind});
+        if (!normal_law(&s->def)->lammps_by_radius && !s->by_mass) s->types[s->n_types++] = type;
+    }
     for (size_t i = 0, k; i < s->n; i++) {
         const grain_type type = type_of(s, &s->grains[i]);
         for (k = 0; k < s->n_types && by_type(&s->types[k], &type) != 0; k++) {

@@ -17,6 +17,13 @@ rp_status dem_number_kind(dem_scene *scene, const char *name, uint32_t *number)
     for (*number = 0; *number < n && strcmp(*number ? def->kinds[*number].name : "", name) != 0;) ++*number;
     if (*number < DEM_MOST_MIXED) scene->has[*number] = true;
     if (*number < n) return RP_OK;
+    if (scene->kinds_listed) {
+        rp_guess guess = rp_guess_of(name);
+        for (size_t k = 1; k < n; k++) rp_guess_try(&guess, def->kinds[k].name);
+        return rp_fail(RP_BAD_INPUT,
+                       "kind = \"%s\": none of `kinds`%s; one with the scene's coefficients is %s = {};",
+                       name, rp_guess_text(&guess), name);
+    }
     if (n == DEM_MOST_KINDS) return rp_fail(RP_BAD_INPUT, "kind = \"%s\": one of more than %zu", name, n);
     if ((n & (n - 1)) == 0) { /* a power of two: the room is full */
         RP_NEW(&scene->arena, kinds, 2 * n);
@@ -67,6 +74,10 @@ static rp_status read_said(const config_setting_t *group, const dem_scene *scene
         if (config_setting_is_group(material) &&
             !rp_params_find(SCHEMA(MATERIAL), config_setting_name(element(material, k))))
             return rp_config_unknown(element(material, k), SCHEMA(MATERIAL), NULL, "");
+        else if (config_setting_is_group(material) &&
+                 member(group, config_setting_name(element(material, k))))
+            return rp_config_fail(element(material, k), "%s: given twice, in the kind and in its material",
+                                  config_setting_name(element(material, k)));
     if (material) RP_TRY(rp_config_group(material, SCHEMA(KINDS), said, NULL));
     RP_TRY(rp_config_group(group, SCHEMA(KINDS), said, "material"));
     if (!(scene->E > 0.0) && (said->E > 0.0 || said->nu >= 0.0) && !was_solid)
@@ -91,6 +102,13 @@ static rp_status say_all(dem_scene *scene, dem_scene_laws *laws, dem_kind_said *
     return RP_OK;
 }
 
+/* Does a pair of names stand for these? In either order. */
+static bool is_of(const dem_pair_said *p, const char *const names[2])
+{
+    return (strcmp(p->of[0], names[0]) == 0 && strcmp(p->of[1], names[1]) == 0) ||
+           (strcmp(p->of[0], names[1]) == 0 && strcmp(p->of[1], names[0]) == 0);
+}
+
 /* { of = ("NAME", "NAME"); mu; ... } */
 static rp_status read_pair(const config_setting_t *group, dem_scene *scene, dem_pair_said *pair)
 {
@@ -113,8 +131,14 @@ static rp_status read_pairs(const config_setting_t *list, dem_scene *scene, dem_
     if (!config_setting_is_list(list)) return rp_config_fail(list, "pairs: a list ( { ... } ) expected");
     RP_NEW(&scene->arena, pairs, laws->n_pairs + length(list));
     if (laws->n_pairs) memcpy(pairs, laws->pairs, laws->n_pairs * sizeof *pairs);
-    for (size_t k = 0; k < length(list); k++)
-        RP_TRY(read_pair(element(list, k), scene, &pairs[laws->n_pairs + k]));
+    for (size_t k = 0; k < length(list); k++) {
+        dem_pair_said *pair = &pairs[laws->n_pairs + k];
+        RP_TRY(read_pair(element(list, k), scene, pair));
+        for (const dem_pair_said *p = pair - k; p < pair; p++)
+            if (is_of(p, pair->of))
+                return rp_config_fail(element(list, k), "pairs: of = (\"%s\", \"%s\") twice", pair->of[0],
+                                      pair->of[1]);
+    }
     laws->pairs = pairs, laws->n_pairs += length(list);
     return RP_OK;
 }
@@ -131,7 +155,7 @@ rp_status dem_read_kinds(const config_setting_t *group, bool known, dem_scene *s
         RP_TRY(dem_read_name(&scene->arena, element(list, k), "kinds", &name));
         RP_TRY(dem_number_kind(scene, name, &number));
     }
-    if (!known) memset(scene->has, 0, sizeof scene->has);
+    if (!known) memset(scene->has, 0, sizeof scene->has), scene->kinds_listed = length(list) > 0;
     if (length(list) > 0) RP_TRY(say_all(scene, laws, &kinds));
     for (size_t k = 0; k < length(list); k++) {
         const config_setting_t *entry = element(list, k);
@@ -310,13 +334,6 @@ static rp_status mix_wall(const dem_scene *scene, const dem_scene_laws *laws, co
     return RP_OK;
 }
 
-/* Does a pair of names stand for these? In either order. */
-static bool is_of(const dem_pair_said *p, const char *const names[2])
-{
-    return (strcmp(p->of[0], names[0]) == 0 && strcmp(p->of[1], names[1]) == 0) ||
-           (strcmp(p->of[0], names[1]) == 0 && strcmp(p->of[1], names[0]) == 0);
-}
-
 /* All names of pairs are those of kinds or walls. */
 static rp_status check_names(const dem_scene *scene, const dem_scene_laws *laws)
 {
@@ -360,7 +377,7 @@ rp_status dem_mix_kinds(dem_scene *scene, const dem_scene_laws *laws, const dem_
                     meet ? (dem_pair_rule)laws->pairs_rule : DEM_PAIRS_SMALLER,
                     dem_material_auto};
         for (const dem_pair_said *p = laws->pairs; p < laws->pairs + laws->n_pairs; p++)
-            if (is_of(p, c.names)) dem_material_over(&p->material, &c.said);
+            if (is_of(p, c.names) && !(wall && !*c.names[1])) dem_material_over(&p->material, &c.said);
         const rp_status status = wall ? mix_wall(scene, laws, &c, a, b - n, &given[b - n], &pairs[k])
                                       : mix(scene, laws, &c, a, b, def, &pairs[k]);
         if (status && meet) return status;

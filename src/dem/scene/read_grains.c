@@ -21,11 +21,12 @@ static rp_status alloc_grains(dem_scene *scene, size_t n)
 }
 
 /* Grain i of the list is there, with or without a mass. */
-static rp_status add_grain(const dem_scene *scene, size_t i, size_t line)
+static rp_status add_grain(dem_scene *scene, size_t i, size_t line)
 {
     const dem_physics *all = &scene->laws.physics;
     dem_grain *p = &scene->grains[i];
     scene->lines[i] = line;
+    if (p->kind < DEM_MOST_MIXED) scene->has[p->kind] = true;
     if (p->m >= 0.0) return RP_OK;
     const double density = dem_density_of(scene, p->kind);
     p->m = dem_mass(all->shape, density, p->r);

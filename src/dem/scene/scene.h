@@ -62,6 +62,7 @@ typedef struct {
     double (*bodies)[2];                        /* E and nu of each; negative: not given */
     const char **names;                         /* of the walls, "" of one without; NULL: none has one */
     bool has[DEM_MOST_MIXED];                   /* grains of these kinds, at the start or later */
+    bool kinds_listed;                          /* in `kinds`: there are no others */
     double turn_deg, box_turn_deg;              /* a step, of gravity and of the box */
     bool has_density;                           /* given, no default */
     const char *particles_file, *contacts_file; /* "": none; the text's own */
