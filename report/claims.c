@@ -49,7 +49,8 @@ static rp_status read_numbers(const rp_table *t, size_t row, report_claim *c)
     RP_TRY(number_of(t, row, "published_se", 0.0, &c->number.se));
     RP_TRY(number_of(t, row, "samples", 0.0, &c->samples));
     const bool deviation = strcmp(c->error, "sd") == 0;
-    if (deviation ? !(c->samples > 0.0) : *c->error && strcmp(c->error, "se") && strcmp(c->error, "ours"))
+    if (deviation ? !(c->samples > 0.0)
+                  : *c->error && strcmp(c->error, "se") != 0 && strcmp(c->error, "ours") != 0)
         return rp_fail(RP_BAD_INPUT, "claim %s: error: se, sd of so many samples, or ours expected", c->id);
     if (deviation) c->number.se /= sqrt(c->samples);
     return number_of(t, row, "margin", INFINITY, &c->margin);

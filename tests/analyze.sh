@@ -47,15 +47,15 @@ printf 'protocol = "pile"; replicas = 2; fixed = { base = 5; };\n' >"$build/anal
 printf 'steps = 50; fill = { N = 9; W = 1.0; H = 1.0; }; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n' >"$build/analyze/scene.cfg"
 printf 'fit = { mu = [0.1, 0.8]; }; measured = ( { runs = "%s/tests/fuzz/corpus/calibrate/piles"; of = "theta_r3_deg"; value = 20.0; error = 1.0; } );\n' "$PWD" >"$build/analyze/fit.cfg"
 while read -r line; do
-    valgrind -q --error-exitcode=99 --leak-check=full --trace-children=no "$build/repose" $line >/dev/null 2>"$build/analyze/valgrind.log"
-    [ $? != 99 ] || { echo "valgrind src/cli/command.c ${line%% *}" >>"$found.raw"; cat "$build/analyze/valgrind.log"; }
+    valgrind -q --error-exitcode=99 --leak-check=full --trace-children=no "$build/repose" $line >/dev/null 2>"$build/analyze/valgrind.log" ||
+        { echo "valgrind src/cli/command.c ${line%% *}" >>"$found.raw"; cat "$build/analyze/valgrind.log"; }
 done <<END
 lattice --base 20 --alpha-deg 30
 tent --x1 0.38 --outer-deg 30 --inner-deg 45
 pile --base 20 --alpha-deg 30
 run $build/analyze/scene.cfg --ledger --force -o $build/analyze/run
 angle slope tests/fuzz/corpus/angle_slope/pile --width 4
-stress dip tests/fuzz/corpus/stress_dip/piles --resamples 9
+stress dip tests/fuzz/corpus/stress_dip/piles --profile
 stats fit tests/fuzz/corpus/stats_fit/runs -x a -y b
 calibrate $build/analyze/fit.cfg
 sweep plan $build/analyze/s.cfg -o $dir

@@ -496,8 +496,17 @@ static void test_slope_anywhere(void)
     scoped_table t = TABLE_OF("angle slope heap.csv --from 1 --to 380");
     CU_ASSERT(t.n_rows == 3 && cell(&t, 0, "n_cells") == 380.0);
     CHECK_NEAR(cell(&t, 1, "theta_deg"), 25.0, 1e-9);
-    FAILS(1, "no pile: 1 flanks, of 2 and 0 points", "angle slope heap.csv --from 212");
-    FAILS(1, "no pile: 0 flanks", "angle slope heap.csv --from 401");
+    FAILS(
+        1,
+        "no pile: a flank of 2 points without a clear slope: between the lowest and the highest tenth of the "
+        "height it needs 4 points or more, and a slope above 3 of its errors",
+        "angle slope heap.csv --from 212");
+    FAILS(1, "heap.csv: no pile: no flank in a surface of 0 points, which is level or empty",
+          "angle slope heap.csv --from 401");
+    write_text("level.csv", "x,y\n0,1\n1,1\n2,1\n");
+    FAILS(1, "level.csv: no pile: no flank in a surface of 3 points", "angle slope level.csv");
+    write_text("few.csv", "x,y\n0,1\n1,2\n");
+    FAILS(1, "few.csv: no pile: a flank of 0 points without", "angle slope few.csv");
     FAILS(1, "a second one that ends at 0.16 of the height", "angle slope heap.csv --to 180");
     FAILS(1, "a second one that ends at 0.49 of the height", "angle slope heap.csv --from -110");
     CU_ASSERT(run("angle slope heap.csv --to 100") == 0 && strstr(out, "\tok\n"));

@@ -208,8 +208,35 @@ static void tables(void)
     FAILS(65, "t.xyz: is an XYZ file", "export t.xyz --to lammps -o t.dump");
     write_text("t.txt", "5\n3\n4\n"); /* one column of numbers is a table */
     GOOD("stats select t.txt --columns 1");
+<<<<<<< HEAD
     write_text("t.tsv", "ITEM: TIMESTEP\n0\n");
     FAILS(65, "t.tsv: is a dump of LAMMPS; a table expected: a line of names, as x y r", "angle slope t.tsv");
+=======
+    /* a table where a scene is expected; numbers in a list are none */
+    static const char *const given[] = {"0.1\t0.2\t0.3\n",
+                                        "0.1 0.2 0.3\n",
+                                        "# x y r\n\n-.1,0.2,0.3\n",
+                                        "x,y,r\n1,2,3\n",
+                                        "5\n6\n",
+                                        "\"a\",\"b\"\n\"1\",\"2\"\n",
+                                        "\xef\xbb\xbfx;y\n1,0;2,0\n",
+                                        "7 ok\n",
+                                        "# 3\n30000000000 1 2\n"};
+    for (size_t k = 0; k < sizeof given / sizeof *given; k++) {
+        write_text("given.tsv", "%s", given[k]);
+        FAILS(65,
+              "given.tsv: is a table of numbers; a scene, experiment or sweep is a text of parameters, key =",
+              "run given.tsv");
+    }
+    FAILS(65, "particles_file = \"given.tsv\";", "sweep plan given.tsv -o planned");
+    write_text("s.cfg", "walls = ( { point = [\n0.0,\n0.0\n]; direction = [0.0, 1.0]; } );\n/*\n5\n*/" SOME);
+    GOOD("run s.cfg");
+    write_text("s.cfg", "/*\n5\n*/ %s", SCENE);
+    GOOD("run s.cfg");
+    write_text("s.cfg", "steps\n= 3; 5\n");
+    FAILS(65, "s.cfg:2: syntax error in", "run s.cfg");
+    put("s.cfg", TABLE);
+>>>>>>> quick
     /* what the messages tell to do */
     write_text("t.csv", "x;y;r\n0,0;0,5;0,1\n");
     SHELL("tr ';,' '\\t.' <t.csv >t.tsv");

@@ -237,7 +237,7 @@ static rp_status find_flanks(size_t n, const double x[], const double h[], ang_p
     const double lo = gsl_stats_min(h, 1, n), height = gsl_stats_max(h, 1, n) - lo;
     size_t first = 0;
     int before = 0;
-    bool clear = true;
+    size_t unclear = SIZE_MAX; /* points of a flank without a clear slope */
     for (size_t k = 0; k < n; k++) {
         const double part = (h[k] - lo) / height;
         const int now = part >= 1.0 - TENTH ? 1 : part <= TENTH ? -1 : 0;
@@ -247,23 +247,29 @@ static rp_status find_flanks(size_t n, const double x[], const double h[], ang_p
             ang_slope *s = pile->flank[i];
             if (m >= LEAST)
                 RP_TRY(find_slopes(&(heights){m, x + first, h + first, 0.0}, 1.0, ANG_PARABOLA_FREE, s));
-            clear &= fabs(s[1].slope) > CLEAR * s[1].slope_se; /* 0 with fewer points */
+            if (!(fabs(s[1].slope) > CLEAR * s[1].slope_se)) unclear = m; /* 0 with fewer points */
         }
         before = now;
         first = k + 1;
     }
     /* a lone flank has a crown, a wall or the end of the grains on its other side, not half a slope */
     const double *end = pile->flank[0][1].slope > 0.0 ? h : h + n - 1;
-    if (clear && pile->n_flanks == 1 && *end - lo < 0.5 * height)
+    if (pile->n_flanks == 0)
+        return rp_fail(RP_NO_RESULT, "no pile: no flank in a surface of %zu points, which is level or empty",
+                       n);
+    if (pile->n_flanks > 2)
+        return rp_fail(RP_NO_RESULT, "no pile: %zu flanks, where a pile has 1 or 2", pile->n_flanks);
+    if (unclear < SIZE_MAX)
+        return rp_fail(
+            RP_NO_RESULT,
+            "no pile: a flank of %zu points without a clear slope: between the lowest and the highest "
+            "tenth of the height it needs %d points or more, and a slope above %g of its errors",
+            unclear, LEAST, CLEAR);
+    if (pile->n_flanks == 1 && *end - lo < 0.5 * height)
         return rp_fail(RP_NO_RESULT,
                        "no pile: a flank of %zu points, and a second one that ends at %.2g of the height",
                        pile->n_flank[0], (*end - lo) / height);
-    if (clear && (pile->n_flanks == 1 || pile->n_flanks == 2)) return RP_OK;
-    return rp_fail(
-        RP_NO_RESULT,
-        "no pile: %zu flanks, of %zu and %zu points; expected 1 or 2, of %d points or more, steeper "
-        "than %g of their errors",
-        pile->n_flanks, pile->n_flank[0], pile->n_flank[1], LEAST, CLEAR);
+    return RP_OK;
 }
 
 static rp_status find_within(size_t n, const double px[], const double py[], const double range[2],

@@ -42,7 +42,8 @@ rp_status rp_lets_find(void *host, const char *name, int n_args, rp_x_symbol *sy
 {
     rp_lets *lets = host;
     if (n_args >= 0) return RP_OK;
-    for (rp_let *let = lets->lets; let < lets->lets + lets->n; let++) {
+    for (size_t i = 0; i < lets->n; i++) {
+        rp_let *let = &lets->lets[i];
         if (strcmp(let->name, name) != 0) continue;
         RP_TRY(rp_prefix(lets->read(let, lets), "let.%s: ", name));
         return *symbol = let->is, *known = true, RP_OK;

@@ -88,11 +88,35 @@ static rp_status scan_token(scan *s, const char *text, const char **p)
                           shown, start, INT_MAX, shown, start);
 }
 
+/* Numbers from the first line on, or from the second, below their names; comments aside. */
+static bool is_table(const char *p)
+{
+    for (int lines = 0; lines < 2;) {
+        p += strspn(p, " \t\r\n\"");
+        const size_t n = strcspn(p, "\n");
+        if (*p != '#') {
+            lines++;
+            if (strcspn(p, "={:*") < n) return false;
+            if (isdigit((unsigned char)p[strspn(p, "+-.")])) return true;
+        }
+        p += n;
+    }
+    return false;
+}
+
 rp_status rp_config_scan_text(const char *name, const char *text)
 {
     scan s = {0};
     int line = 1;
-    if (strncmp(text, "\xef\xbb\xbf", 3) == 0)
+    const bool marked = strncmp(text, "\xef\xbb\xbf", 3) == 0;
+    if (is_table(text + 3 * marked))
+        return rp_fail(
+            RP_BAD_INPUT,
+            "%s: is a table of numbers; a scene, experiment or sweep is a text of parameters, key = "
+            "value, as `repose params scene` lists them; a scene reads its grains from a table with "
+            "particles_file = \"%s\";",
+            name, name);
+    if (marked)
         return rp_fail(RP_BAD_INPUT, "%s:1: begins with a byte-order mark; save it as UTF-8 without one",
                        name);
     for (const char *p = text; *p;) {

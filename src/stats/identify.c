@@ -428,6 +428,7 @@ static rp_status invert(search *s, bool intervals, stats_answer *a)
 static rp_status add_points(search *s, size_t n, const double x[], const stats_runs runs[])
 {
     const size_t p = s->q->n_names, K = s->q->n_numbers;
+    if (n == 0) return RP_OK;
     if (s->n + n > s->room) {
         double *old_x = s->x;
         stats_runs *old = s->runs;

@@ -17,5 +17,7 @@ printf '%s\n' "$@" | ASAN_OPTIONS=allocator_may_return_null=1:detect_leaks=1 UBS
             -artifact_prefix="$1/fuzz/found/{}-" "$1/fuzz/{}" "$3/{}" >"$1/fuzz/{}.log" 2>&1
         status=$?
         runs=$(sed -n "s/^stat::number_of_executed_units: *//p" "$1/fuzz/{}.log")
-        echo "{}	${runs:-0}	$status" | tee -a "$1/fuzz/runs.tsv"' sh "$build" "$limit" "$PWD/tests/fuzz/corpus"
-! ls "$build/fuzz/found" | grep .
+        echo "{}	${runs:-0}	$status" | tee -a "$1/fuzz/runs.tsv"
+        [ $status = 0 ]' sh "$build" "$limit" "$PWD/tests/fuzz/corpus"
+status=$? # a target that never began leaves nothing in found
+! ls "$build/fuzz/found" | grep . && [ $status = 0 ]

@@ -163,7 +163,8 @@ static rp_status slope_of_table(cli_call *call, rp_table *table, const void *val
     if (!box && pile.n_stray > 0 && !status)
         cli_say("repose angle slope: %s: %zu stray points beside the pile are left out", table->path,
                 pile.n_stray);
-    rp_prefix(status, "%s: %s", table->path, box ? "" : "choose a flank with --from and --to: ");
+    rp_prefix(status, "%s: %s", table->path,
+              !box && pile.n_flank[0] > 0 ? "choose a flank with --from and --to: " : "");
     if (status && status != RP_NO_RESULT) return status;
     cli_table(call, call->out);
     if (box) rp_table_note_number(call->out, "cell", cell, origin);
