@@ -610,6 +610,15 @@ static void test_kinds_written(void)
     for (int i = 0; i < 3; i++) CU_ASSERT_EQUAL(cell(&t, (size_t)i, "kind"), i == 1 ? 1.0 : 2.0);
     write_text("back.cfg", "dt = 1e-5; steps = 0; particles_file = \"k.data\"; kinds = { p = { }; };\n");
     FAILS(65, "k.data:11: type = 2: a number from 1 to 1 expected", "run back.cfg");
+    /* kinds keep their numbers, with grains or without */
+    SHELL("sed -i 's/kinds = {/kinds = { unused = { };/' k.cfg");
+    GOOD("export k.cfg --to lammps-input -o u.in");
+    slurp("u.data", text, sizeof text);
+    CHECK_PARTS(text, "\n3 atom types\n", "\n1 3 0.5 ", "\n2 2 0.25 ", "\n3 3 0.25 ");
+    SHELL("sed -i 's/kind = \"a\"; //' k.cfg");
+    GOOD("export k.cfg --to lammps-input -o u.in --force");
+    slurp("u.data", text, sizeof text);
+    CHECK_PARTS(text, "\n4 atom types\n", "\n1 3 0.5 ", "\n2 4 0.25 ", "\n3 3 0.25 ");
 }
 
 /* Fixed grains, the first and the last among them, are held by their numbers. */

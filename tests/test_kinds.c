@@ -283,29 +283,36 @@ static void refused(void)
          "kind \"b\" has mu = 0.6, and kind \"a\" 0.1: say what their contacts have, pairs = ( { of = "
          "(\"b\", "
          "\"a\"); mu = ...; } ); or pairs_rule"},
-        {"a = { mu = 0.1; };", "",
-         "kind \"b\" has mu = 0.3, and kind \"a\" 0.1"}, /* a label has the scene's */
-        {"a = { restitution = 0.5; };", "", "restitution"},
-        {"a = { gamma_n = 3; };", "", "restitution = 0.7, and kind \"a\" auto"},
-        {"a = { mu_roll = 0.1; };", "", "mu_roll"},
-        {"a = { mu = 0.3; };", "{ of = (\"a\", \"c\"); mu = 0.1; }", "no kind or wall is called \"c\""},
-        {"a = { mu = 0.3; };", "{ of = (\"a\", \"lif\"); mu = 0.1; }", "did you mean \"lid\""},
-        {"a = { mu = 0.3; };", "{ of = (\"a\", 3); mu = 0.1; }", "two kinds, or a kind and a wall, expected"},
-        {"a = { mu = 0.3; };", "{ of = (\"a\"); mu = 0.1; }", "two kinds, or a kind and a wall, expected"},
-        {"a = { mu = 0.3; };", "{ of = (\"a\", \"b\"); nu = 0.1; }", "nu: does not belong here"},
-        {"a = { mu = 0.3; };", "{ of = (\"a\", \"b\"); restitution = 0.5; gamma_n = 1.0; }",
+        {"a = { mu = 0.1; }; b = { };", "", "kind \"b\" has mu = 0.3, and kind \"a\" 0.1"},
+        {"a = { restitution = 0.5; }; b = { };", "", "restitution"},
+        {"a = { gamma_n = 3; }; b = { };", "", "restitution = 0.7, and kind \"a\" auto"},
+        {"a = { mu_roll = 0.1; }; b = { };", "", "mu_roll"},
+        {"a = { mu = 0.3; }; b = { };", "{ of = (\"a\", \"c\"); mu = 0.1; }",
+         "no kind or wall is called \"c\""},
+        {"a = { mu = 0.3; }; b = { };", "{ of = (\"a\", \"lif\"); mu = 0.1; }", "did you mean \"lid\""},
+        {"a = { mu = 0.3; }; b = { };", "{ of = (\"a\", 3); mu = 0.1; }",
+         "two kinds, or a kind and a wall, expected"},
+        {"a = { mu = 0.3; }; b = { };", "{ of = (\"a\"); mu = 0.1; }",
+         "two kinds, or a kind and a wall, expected"},
+        {"a = { mu = 0.3; }; b = { };", "{ of = (\"a\", \"b\"); nu = 0.1; }", "nu: does not belong here"},
+        {"a = { mu = 0.3; }; b = { };", "{ of = (\"a\", \"b\"); restitution = 0.5; gamma_n = 1.0; }",
          "give one, the other"},
-        {"a = { mu = 0.3; }; lid = { };", "{ of = (\"a\", \"lid\"); mu = 0.1; }",
+        {"a = { mu = 0.3; }; lid = { }; b = { };", "{ of = (\"a\", \"lid\"); mu = 0.1; }",
          "lid names a wall and a kind"},
-        {"a = { E = 1e9; };", "", "E, nu: of a kind need the scene's"},
-        {"a = { law = \"linear\"; };", "", "law: does not belong here"},
-        {"a = { material = { k_n = 1.0; }; };", "", "k_n: "},
+        {"a = { E = 1e9; }; b = { };", "", "E, nu: of a kind need the scene's"},
+        {"a = { law = \"linear\"; }; b = { };", "", "law: does not belong here"},
+        {"a = { material = { k_n = 1.0; }; }; b = { };", "", "k_n: "},
         {"a = 3;", "", "a group"},
+        {"a = { mu = 0.3; };", "", "kind = \"b\": none of `kinds`; one with"},
+        {"a = { mu = 0.3; material = { mu = 0.2; }; }; b = { };", "", "mu: given twice"},
+        {"a = { mu = 0.3; }; b = { };",
+         "{ of = (\"a\", \"b\"); mu = 0.1; }, { of = (\"b\", \"a\"); mu = 0.2; }", "twice"},
         {"a = { mu = 0.3; };", "{ of = (\"a\", \"b\"); mu = -1.0; }", "mu"}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
         grains_refused(check_text(ordered, cases[k].kinds, cases[k].pairs, "a", "b"), NULL, cases[k].message);
-    grains_refused(check_text(ordered, "a = { mu = 0.1; };", "{ of = (\"a\", \"b\"); mu = 0.2; }", "a", "b"),
-                   NULL, "kind \"a\" has mu = 0.1, and wall \"lid\" 0.25");
+    grains_refused(
+        check_text(ordered, "a = { mu = 0.1; }; b = { };", "{ of = (\"a\", \"b\"); mu = 0.2; }", "a", "b"),
+        NULL, "kind \"a\" has mu = 0.1, and wall \"lid\" 0.25");
     grains_refused(
         check_text("pairs = ( { of = (\"a\", \"b\"); mu = 0.2; } ); fill = { N = 1; W = 1.0; H = 1.0; };"),
         NULL, "no grains have a kind");
@@ -395,7 +402,7 @@ static void limits(void)
 
 static const char changing[] =
     "dt = 1e-5; tangential = { law = `spring`; mu = 0.3; };\n"
-    "kinds = { a = { mu = 0.1; }; }; pairs = ( { of = (`a`, `b`); mu = 0.2; } );\n"
+    "kinds = { a = { mu = 0.1; }; b = { }; c = { }; }; pairs = ( { of = (`a`, `b`); mu = 0.2; } );\n"
     "walls = ( { name = `lid`; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
     "fill = ( { kind = `a`; N = 5; W = 2.0; H = 2.0; }, { kind = `b`; N = 5; W = 2.0; H = 2.0; } );\n"
     "phases = ( { name = `one`; steps = 10; },\n"
@@ -501,7 +508,7 @@ static void put(FILE *to, const twin_values *v)
 
 static void put_of(FILE *to, const twin_values *v, const char *a, const char *b)
 {
-    fprintf(to, "{ of = (\"%s\", \"%s\"); ", a, b), put(to, v), fputs("},\n", to);
+    fprintf(to, "%s{ of = (\"%s\", \"%s\"); ", *a || *b ? "," : "", a, b), put(to, v), fputs("}\n", to);
 }
 
 static void write_scene(const twin_scene *t, FILE *to)
@@ -536,7 +543,7 @@ static void write_scene(const twin_scene *t, FILE *to)
         for (int b = a; b < t->n_kinds; b++) put_of(to, &t->pair[a][b], kind[a], kind[b]);
         for (int w = 0; w < TWIN_WALLS; w++) put_of(to, &t->pair[a][TWIN_KINDS + w], wall[w], kind[a]);
     }
-    fputs("{ of = (\"\", \"a\"); } );\nparticles = ( ", to);
+    fputs(" );\nparticles = ( ", to);
     for (int i = 0; i < t->n; i++) {
         const twin_grain *g = &t->grain[i];
         fprintf(

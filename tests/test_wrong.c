@@ -208,10 +208,8 @@ static void tables(void)
     FAILS(65, "t.xyz: is an XYZ file", "export t.xyz --to lammps -o t.dump");
     write_text("t.txt", "5\n3\n4\n"); /* one column of numbers is a table */
     GOOD("stats select t.txt --columns 1");
-<<<<<<< HEAD
     write_text("t.tsv", "ITEM: TIMESTEP\n0\n");
     FAILS(65, "t.tsv: is a dump of LAMMPS; a table expected: a line of names, as x y r", "angle slope t.tsv");
-=======
     /* a table where a scene is expected; numbers in a list are none */
     static const char *const given[] = {"0.1\t0.2\t0.3\n",
                                         "0.1 0.2 0.3\n",
@@ -236,7 +234,6 @@ static void tables(void)
     write_text("s.cfg", "steps\n= 3; 5\n");
     FAILS(65, "s.cfg:2: syntax error in", "run s.cfg");
     put("s.cfg", TABLE);
->>>>>>> quick
     /* what the messages tell to do */
     write_text("t.csv", "x;y;r\n0,0;0,5;0,1\n");
     SHELL("tr ';,' '\\t.' <t.csv >t.tsv");
@@ -416,5 +413,36 @@ static void hints(void)
     for (const cli_command *const *c = cli_repose.commands; *c; c++) GOOD("help %s", (*c)->name);
 }
 
+/* Kinds whose contacts nobody has given, by whatever way their grains come; walls without a name are in no
+ * pair. */
+static void kinds(void)
+{
+#define STEEL "dt = 2e-5; gravity = [0.0, 0.0]; tangential = { law = `spring`; mu = 0.3; };\n"
+    put("s.cfg", STEEL
+        "steps = 3; kinds = { steel = { mu = 0.1; }; sand = { mu = 0.6; }; }; particles_file = `t.tsv`;\n");
+    static const char *const given[] = {"1\n1\t0\t0.1\t2", "steel\n1\t0\t0.1\tsand", "0\n1\t0\t0.1\t1"};
+    for (size_t k = 0; k < 3; k++) {
+        write_text("t.tsv", "x\ty\tr\tkind\n0\t0\t0.1\t%s\n", given[k]);
+        FAILS(65, ": say what their contacts have, pairs = ", "run s.cfg");
+    }
+    write_text("t.tsv", "x\ty\tr\n0\t0\t0.1\n");
+    put("s.cfg", STEEL
+        "kinds = { steel = { mu = 0.1; }; }; particles_file = `t.tsv`;\n"
+        "phases = ( { name = `a`; steps = 3; add = { kind = `steel`; r = 0.1; x = 1.0; y = 1.0; }; } );\n");
+    FAILS(65, ": say what their contacts have, pairs = ", "run s.cfg");
+    put("s.cfg",
+        "dt = 2e-5; normal = { law = `linear`; restitution = 0.6; }; kinds = { steel = { }; gold = { density "
+        "= 19.0; }; };\n"
+        "particles = ( { kind = `steel`; x = 0.5; y = 1.0; r = 0.1; } );" FLOOR
+        "phases = ( { name = `a`; steps = 3; add = { kind = `gold`; r = 0.3; x = 1.5; y = 0.5; }; } );\n");
+    FAILS(65, "no grain of kind \"gold\" is there at the start, so that its restitution has no mean mass",
+          "run s.cfg");
+    GOOD("run s.cfg --set normal.law=tsuji -o tsuji");
+    put("s.cfg",
+        STEEL "steps = 3; kinds = { steel = { }; }; pairs = ( { of = (`steel`, ``); mu = 0.9; } );\n" FLOOR
+              "particles = ( { kind = `steel`; x = 0.5; y = 1.0; r = 0.1; } );\n");
+    SHELL("\"$REPOSE\" run s.cfg | grep 'kind \"steel\" at wall 1' | grep -q 'mu = 0.3,'");
+}
+
 CHECK_SUITE_WITHIN(wrong, "wrong input of people", enter, leave, misplaced, names, numbers, tables, falls,
-                   pictures, errors, sweeps, hints)
+                   kinds, pictures, errors, sweeps, hints)

@@ -323,14 +323,15 @@ static rp_status mix_wall(const dem_scene *scene, const dem_scene_laws *laws, co
     const dem_material said = said_by(laws, a).material;
     const body b = body_of(scene, laws, a);
     const dem_material own = coefficients_of(&b.physics);
-    dem_material both = own;
+    dem_material both = own, with = *given;
     dem_material_over(given, &both);
-    *m = dem_material_of_wall(scene, laws, a, wall, given);
 #define MEET(kind, type, name, ...)                                                                          \
     DEM_IF_MATERIAL(kind, if (!dem_is_stiffness(#name) && own.name != both.name &&                           \
                               is_given(&said, #name, said.name) && !is_given(&c->said, #name, c->said.name)) \
-                              RP_TRY(settle(c, #name, own.name, both.name, &m->name));)
+                              RP_TRY(settle(c, #name, own.name, both.name, &with.name));)
     DEM_PHYSICS(MEET)
+    dem_material_over(&c->said, &with); /* and what follows from them */
+    *m = dem_material_of_wall(scene, laws, a, wall, &with);
     return RP_OK;
 }
 
