@@ -133,8 +133,8 @@ static const char *const scenes[] = {
     "pairs_rule = \"smaller\"; pairs = ( { of = (\"a\", \"b\"); gamma_n = 200.0; } );\n" FRICTION SOFT
     "gamma_n = 300.0; };\n" WALLS MIXED,
     "steps = 300; gravity = [0.0, -20.0]; rotation = true; dt = 1.0e-4; material = { E = 1.0e5; nu = 0.3; "
-    "restitution = 0.6; mu = 0.3; };\npairs_rule = \"geometric\"; kinds = { a = { mu = 0.1; }; b = { }; };\n" WALLS
-        MIXED};
+    "restitution = 0.6; mu = 0.3; };\npairs_rule = \"geometric\"; kinds = { a = { mu = 0.1; }; b = { }; "
+    "};\n" WALLS MIXED};
 enum { N_SCENES = sizeof scenes / sizeof *scenes };
 
 /* All tables of the scene's end; NULL if the scene is refused. A run that fails has a result: its end. */
