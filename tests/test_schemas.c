@@ -97,7 +97,8 @@ static const char *const texts[] = {
           ");\n" FLOOR "particles = ( { kind = `drop`; x = 0.0; y = 0.1; r = 0.1; }, { kind = `disk`; x = "
           "1.0; y = 0.1; r = 0.1; } );\n" PHASE,
     "dt = 2e-5; rotation = true; material = { E = 1e6; nu = 0.3; restitution = 0.5; mu = 0.3; };\n"
-    "kinds = { drop = { E = 2e6; nu = 0.2; density = 2.0; mu = 0.4; }; dropx = { }; diskx = { }; }; "
+    "kinds = { drop = { E = 2e6; nu = 0.2; density = 2.0; mu = 0.4; }; disk = { }; dropx = { }; diskx = { }; "
+    "}; "
     "pairs_rule = `smaller`;\n"
     "pairs = ( { of = (`drop`, `disk`); restitution = 0.4; } );\n" FLOOR
     "particles = ( { kind = `drop`; x = 0.0; y = 0.1; r = 0.1; }, { kind = `disk`; x = 1.0; y = 0.1; r = "
