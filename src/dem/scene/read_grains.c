@@ -207,7 +207,7 @@ rp_status dem_read_table(const char *path, dem_scene *scene)
     RP_SCOPE(arena);
     RP_TRY(find_file(&arena, path, &name));
     const bool read = !rp_file_read(name, &text); /* else the reader of tables says what it is */
-    if (read) rp_arena_keep(&arena, text, free);
+    if (text) rp_arena_keep(&arena, text, free);
     if (read && dem_is_lammps(text)) {
         if (*beside)
             return rp_fail(RP_BAD_INPUT, "%s: contacts_file: needs a table, no file of LAMMPS", path);
