@@ -340,6 +340,10 @@ static void friction_of_a_fill(void)
     scoped_scene scene = {0}, ruled = {0};
     grains_refused(check_text(field, "", "mu = 0.1;"), NULL, "kinds = { steel = { mu = ...; }; }");
     grains_refused(check_text(field, kinds, ""), NULL, "mu = 0.6, and kind \"steel\" 0.1");
+    grains_refused(
+        check_text(field, "pairs_rule = \"smaller\"; kinds = { steel = { gamma_s = 3.0; }; sand = { }; };",
+                   ""),
+        NULL, "; } ); pairs_rule needs both values");
     scoped_sim *sim = grains_scene_after(
                    check_text(field,
                               check_text("%spairs = ( { of = (\"steel\", \"sand\"); mu = 0.2; } );", kinds),

@@ -272,9 +272,11 @@ static rp_status settle(const couple *c, const char *key, double a, double b, do
     return rp_fail(
         RP_BAD_INPUT,
         "kind \"%s\" has %s = %s, and %s \"%s\" %s: say what their contacts have, pairs = ( { of = "
-        "(\"%s\", \"%s\"); %s = ...; } ); or pairs_rule = \"smaller\" or \"geometric\"",
+        "(\"%s\", \"%s\"); %s = ...; } ); %s",
         c->names[0], key, texts[0], c->wall ? "wall" : "kind", c->names[1], texts[1], c->names[0],
-        c->names[1], key);
+        c->names[1], key,
+        c->rule == DEM_PAIRS_EQUAL ? "or pairs_rule = \"smaller\" or \"geometric\""
+                                   : "pairs_rule needs both values");
 }
 
 /* 1/k = 1/(2 a) + 1/(2 b) */
