@@ -917,6 +917,18 @@ static void test_five(void)
         }
     }
     CU_ASSERT(stand == 14 && pass[0] == 3 && pass[1] == 12);
+    for (int falls = 0; falls < 2; falls++) { /* without k_n = 1e4 */
+        scoped_table t = {0};
+        CHECK_OK(rp_table_read(
+            falls ? "results/kept/claims/drop_four.tsv" : "results/kept/claims/ramp_four.tsv", &t));
+        for (size_t row = 0; row < t.n_rows; row++) {
+            const double density = cell(&t, row, "density");
+            const bool cut = strcmp(word(&t, row, "slip"), "truncated") == 0;
+            CU_ASSERT((cell(&t, row, "n_least") >= 90.0) == (!falls || density < 5.0));
+            if (falls && density > 5.0) continue;
+            CU_ASSERT((cell(&t, row, "p_value") >= 0.05) == (cut && density > (falls ? 0.6 : 0.9)));
+        }
+    }
     static const char *const tables[] = {"results/lh_ramp/points.tsv", "results/lh_drop/points.tsv"};
     for (int falls = 0; falls < 2;
          falls++) { /* piles fail by overlap, at k_n = 1e4; where grains fall, also at 1e5 */
